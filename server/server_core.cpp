@@ -68,6 +68,11 @@ EnvironmentServices ServerCore::environmentServices() {
   return services;
 }
 
+const std::string& ServerCore::builtInEnvironments(const std::function<std::string()>& describe) {
+  std::call_once(areEnvironmentsDescribed_, [&] { builtInEnvironments_ = describe(); });
+  return builtInEnvironments_;
+}
+
 void ServerCore::readTokensAgain() {
   pool_.post({.run =
                   [this] {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -49,6 +50,9 @@ class ServerCore {
   [[nodiscard]] Store& store() { return store_; }
   [[nodiscard]] const Store& store() const { return store_; }
   [[nodiscard]] EnvironmentServices environmentServices();
+
+  /// What `describe` says of the environments of this program. It is asked once: to make them all takes milliseconds.
+  [[nodiscard]] const std::string& builtInEnvironments(const std::function<std::string()>& describe);
 
   /// Has a worker read the tokens again. A mistake is logged, and the tokens stay as they are.
   void readTokensAgain();
@@ -120,6 +124,8 @@ class ServerCore {
     protocol::ErrorCode code = protocol::ErrorCode::Storage;
   };
   std::map<std::string, Damaged> damaged_;
+  std::once_flag areEnvironmentsDescribed_;
+  std::string builtInEnvironments_;
   std::atomic<bool> isShuttingDown_{false};
   WorkerPool pool_;  // last: its threads use everything above
 };

@@ -147,6 +147,17 @@ HttpPage pageFor(SimulationRunner& runner, const DownloadPath& path, std::uint64
   return problemPage(404, "There is no download of that name.");
 }
 
+/// The page with its bytes in the account, or a page that says why they do not fit.
+HttpPage counted(HttpPage page, Account& account) {
+  const std::size_t bytes = page.body.size();
+  if (!account.take(MemoryKind::Frames, bytes)) {
+    return problemPage(503, account.memoryError().message);
+  }
+  page.memory = std::shared_ptr<void>(
+      nullptr, [&account, bytes](void*) { account.add(MemoryKind::Frames, -static_cast<std::int64_t>(bytes)); });
+  return page;
+}
+
 /// The parts of a path between slashes, percent-decoded; nothing when one is empty.
 std::optional<std::vector<std::string>> partsOf(std::string_view rest) {
   std::vector<std::string> parts;
@@ -211,9 +222,10 @@ std::optional<DownloadPath> downloadPathOf(std::string_view target) {
   return simulationPathOf(*parts);
 }
 
-void makeDownload(ServerCore& core, const DownloadPath& path, std::function<void(HttpPage)> done) {
+void makeDownload(ServerCore& core, Account& account, const DownloadPath& path, std::function<void(HttpPage)> use) {
+  const auto done = [&account, use = std::move(use)](HttpPage page) { use(counted(std::move(page), account)); };
   if (path.kind == DownloadPath::Kind::List) {
-    done(listPage(core));
+    core.pool().post({.run = [&core, done] { done(listPage(core)); }, .owner = "http"});
     return;
   }
   if (path.kind == DownloadPath::Kind::Picture) {
@@ -248,14 +260,14 @@ void makeDownload(ServerCore& core, const DownloadPath& path, std::function<void
   runner->submit(std::move(command));
 }
 
-std::optional<std::string> downloadProblem(std::string_view authorization, const Access& access) {
+tl::expected<Grant, std::string> downloadGrant(std::string_view authorization, const Access& access) {
   constexpr std::string_view kScheme = "Bearer ";
   const bool hasToken = authorization.starts_with(kScheme);
-  const auto grant = access.grant(hasToken ? authorization.substr(kScheme.size()) : std::string_view(), {"viewer"});
-  if (grant) {
-    return std::nullopt;
+  auto grant = access.grant(hasToken ? authorization.substr(kScheme.size()) : std::string_view(), {"viewer"});
+  if (!grant && !hasToken) {
+    return tl::unexpected(std::string("Downloads need a token of the server: Authorization: Bearer TOKEN."));
   }
-  return hasToken ? grant.error() : "Downloads need a token of the server: Authorization: Bearer TOKEN.";
+  return grant;
 }
 
 }  // namespace espalier::server

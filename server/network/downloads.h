@@ -4,10 +4,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 #include <variant>
 
 #include "server/access/access.h"
 #include "server/network/http_pages.h"
+#include "server/running/account.h"
 
 namespace espalier::server {
 
@@ -24,11 +26,12 @@ struct DownloadPath {
 /// The path of a target without its query, percent-decoded; nothing when it is not the path of a download.
 [[nodiscard]] std::optional<DownloadPath> downloadPathOf(std::string_view target);
 
-/// Makes a download on a worker and calls `done` once, on any thread. blockBytes bounds the bytes.
-void makeDownload(ServerCore& core, const DownloadPath& path, std::function<void(HttpPage)> done);
+/// Makes a download on a worker and calls `done` once, on any thread. blockBytes bounds the bytes. They count for the
+/// account as long as the page is there.
+void makeDownload(ServerCore& core, Account& account, const DownloadPath& path, std::function<void(HttpPage)> done);
 
-/// Why a request with this header `Authorization` may not download, or nothing. When the server has tokens, it must be
-/// `Bearer TOKEN` of a viewer.
-[[nodiscard]] std::optional<std::string> downloadProblem(std::string_view authorization, const Access& access);
+/// What a request with this header `Authorization` is granted, or why it may not download. When the server has tokens,
+/// it must be `Bearer TOKEN` of a viewer.
+[[nodiscard]] tl::expected<Grant, std::string> downloadGrant(std::string_view authorization, const Access& access);
 
 }  // namespace espalier::server

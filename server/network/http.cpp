@@ -73,7 +73,7 @@ class WebSocketConnection final : public PeerConnection {
     } else if (isReading()) {
       std::optional<protocol::Error> problem;
       if (const auto read = decode(problem)) {
-        hand(*read);
+        hand(*read, buffer_.size());
       } else {
         lose(*problem);
       }
@@ -159,7 +159,7 @@ std::string fieldOf(const Request& request, http::field name) {
 }
 
 /// The download is made on a worker; meanwhile the connection waits.
-asio::awaitable<HttpPage> download(DownloadPath path, ServerCore& core) {
+asio::awaitable<HttpPage> download(DownloadPath path, Account& account, ServerCore& core) {
   struct Waiting {
     asio::steady_timer done;
     std::optional<HttpPage> page;
@@ -167,7 +167,7 @@ asio::awaitable<HttpPage> download(DownloadPath path, ServerCore& core) {
   const auto executor = co_await asio::this_coro::executor;
   const auto waiting = std::make_shared<Waiting>(Waiting{asio::steady_timer(executor), std::nullopt});
   waiting->done.expires_at(std::chrono::steady_clock::time_point::max());
-  makeDownload(core, path, [waiting, executor](HttpPage page) {
+  makeDownload(core, account, path, [waiting, executor](HttpPage page) {
     asio::post(executor, [waiting, page = std::move(page)]() mutable {
       waiting->page = std::move(page);
       waiting->done.cancel();
@@ -226,6 +226,8 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
       }
       lowest().expires_never();
       HttpPage page = co_await pageFor(request);
+      // counted until it is written
+      const std::shared_ptr<void> memory = page.memory;
       const bool isKept = co_await write(responseOf(std::move(page), request, count < kMostRequests));
       if (!isKept) {
         error_code ignored;
@@ -271,14 +273,16 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
       co_return HttpPage{403, std::string(kText), "Downloads are for this machine: ask localhost for them.\n"};
     }
     const Access& access = services_.core->access();
-    if (const auto problem = downloadProblem(fieldOf(request, http::field::authorization), access)) {
-      co_return HttpPage{401, std::string(kText), *problem + "\n"};
+    const auto grant = downloadGrant(fieldOf(request, http::field::authorization), access);
+    if (!grant) {
+      co_return HttpPage{401, std::string(kText), grant.error() + "\n"};
     }
     if (access.hasTokens()) {
       // strangers do not end the download; without a place of its own it waits like any other connection
       (void)accepted_.place->trust();
     }
-    co_return co_await download(std::move(*path), *services_.core);
+    Account& account = services_.core->accounts().of(grant->token == nullptr ? std::string() : grant->token->name);
+    co_return co_await download(std::move(*path), account, *services_.core);
   }
 
   /// Writes in parts: a peer that reads nothing for kIdle is given up. Whether the connection is kept for more.

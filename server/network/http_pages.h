@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,7 +14,8 @@ struct HttpPage {
   unsigned status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::string body;
-  std::string fileName{};  // for saving; empty: the browser shows the page
+  std::string fileName{};          // for saving; empty: the browser shows the page
+  std::shared_ptr<void> memory{};  // of the body, in an account; null: it is not counted
 };
 
 /// The page of a target (path and query) of a GET or HEAD request.

@@ -199,9 +199,9 @@ void PeerConnection::setHeld(bool isHeld) {
   }
 }
 
-void PeerConnection::hand(const protocol::MessageReader::Read& read, bool isMoreToCome) {
+void PeerConnection::hand(const protocol::MessageReader::Read& read, std::size_t bytes, bool isMoreToCome) {
   setHeld(isMoreToCome);
-  session_->onRead(read);
+  session_->onRead(read, bytes);
   noteGreeting();
 }
 
@@ -222,6 +222,23 @@ struct PeerConnection::BigMessage {
   bool isDone = false;  // network thread
 };
 
+void PeerConnection::decodeAndHandle(BigMessage& message, const TurnMeter& meter) {
+  std::optional<protocol::Error> problem;
+  std::optional<protocol::MessageId> request;
+  if (const auto read = message.decode(problem)) {
+    message.session->onRead(*read);
+    if (*read && (*read)->kind == protocol::Message::Kind::Request) {
+      request = (*read)->id;
+    }
+  } else if (problem) {
+    message.session->onLost(*problem);
+  }
+  // what its params have taken, when they wait
+  if (request && meter.held() > 0) {
+    message.session->holdForRequest(*request, static_cast<std::size_t>(meter.held()));
+  }
+}
+
 std::shared_ptr<PeerConnection::BigMessage> PeerConnection::postToWorker(Decode decode) {
   const auto message = std::make_shared<BigMessage>(
       BigMessage{shared_from_this(), session_, std::move(decode), asio::steady_timer(executor_)});
@@ -230,12 +247,7 @@ std::shared_ptr<PeerConnection::BigMessage> PeerConnection::postToWorker(Decode 
     TurnMeter meter(message->session->account(), MemoryKind::Decoding);
     const core::WorkMeter::Scope scope(&meter);
     try {
-      std::optional<protocol::Error> problem;
-      if (const auto read = message->decode(problem)) {
-        message->session->onRead(*read);
-      } else if (problem) {
-        message->session->onLost(*problem);
-      }
+      decodeAndHandle(*message, meter);
     } catch (const std::exception& exception) {
       message->session->onLost(
           meter.isRefused() ? message->session->account().memoryError()
@@ -266,6 +278,11 @@ asio::awaitable<void> PeerConnection::handOnWorker(Decode decode) {
   if (isClosed_) {
     message->session->onClosed();
   }
+}
+
+asio::awaitable<void> PeerConnection::giveWay() {
+  co_await asio::post(executor_, asio::use_awaitable);
+  beginTurn();
 }
 
 void PeerConnection::changeOutbox(std::int64_t bytes) {

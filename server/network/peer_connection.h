@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <boost/asio.hpp>
+#include <chrono>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -17,6 +18,8 @@
 #include "server/session/session.h"
 
 namespace espalier::server {
+
+class TurnMeter;
 
 // Only for the files that know the network library: network.cpp, listener.cpp, peer_connection.cpp, http.cpp.
 
@@ -82,8 +85,13 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
     core_->metrics.bytesReceived += receivedBytes;
     wasHeard_ = true;
   }
-  /// `isMoreToCome`: the bytes of another message are there.
-  void hand(const protocol::MessageReader::Read& read, bool isMoreToCome = false);
+  /// `bytes`: of the message. `isMoreToCome`: the bytes of another one are there.
+  void hand(const protocol::MessageReader::Read& read, std::size_t bytes, bool isMoreToCome = false);
+  /// This peer has had the network thread for as long as others can wait. The reader then awaits giveWay().
+  [[nodiscard]] bool isTurnOver() const { return std::chrono::steady_clock::now() - turnBegin_ > kTurn; }
+  /// Other connections take their turns; then this one's next turn begins.
+  asio::awaitable<void> giveWay();
+  void beginTurn() { turnBegin_ = std::chrono::steady_clock::now(); }
   /// Messages of more bytes are handed on by handOnWorker().
   static constexpr std::size_t kBigMessage = 65'536;
   /// `problem` receives why the framing is lost. Nothing: there is no message.
@@ -104,9 +112,14 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
  private:
   struct BigMessage;
 
+  /// How long messages of one peer are handled while others wait. With a thousand busy peers each waits a fifth of a
+  /// second.
+  static constexpr std::chrono::microseconds kTurn{200};
+
   /// After a message: the peer may have said hello.
   void noteGreeting();
   [[nodiscard]] std::shared_ptr<BigMessage> postToWorker(Decode decode);
+  static void decodeAndHandle(BigMessage& message, const TurnMeter& meter);
   void changeOutbox(std::int64_t bytes);
   /// Why the account cannot hold so many bytes that are not decoded, or nothing.
   [[nodiscard]] std::optional<protocol::Error> countHeld(std::size_t bytes);
@@ -133,6 +146,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   std::size_t heldBytes_ = 0;      // hold()
   Account* account_ = nullptr;     // of the peer, once it has said hello
   std::int64_t countedBytes_ = 0;  // of heldBytes_, in the account
+  std::chrono::steady_clock::time_point turnBegin_{};
   bool isAdmitted_ = false;
   bool isBeating_ = false;  // heartbeats have begun: the peer was greeted
   bool wasHeard_ = false;   // since the last heartbeat

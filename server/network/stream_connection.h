@@ -42,8 +42,10 @@ class StreamConnection final : public PeerConnection {
       co_return true;
     }
     reader_.feed({bytes_->data(), count});
+    beginTurn();
     while (isReading() && !reader_.lost()) {
-      if (reader_.nextLineBytes() > kBigMessage) {
+      const std::size_t bytes = reader_.nextLineBytes();
+      if (bytes > kBigMessage) {
         co_await handOnWorker([this](std::optional<protocol::Error>&) { return reader_.next(); });
         continue;
       }
@@ -51,8 +53,11 @@ class StreamConnection final : public PeerConnection {
       if (!read) {
         break;
       }
-      hand(*read, reader_.hasPartialMessage());
+      hand(*read, bytes, reader_.hasPartialMessage());
       adoptTerms();
+      if (isTurnOver()) {
+        co_await giveWay();
+      }
     }
     if (reader_.lost()) {
       lose(*reader_.lost());

@@ -1,6 +1,7 @@
 #include "server/remote/control_group.h"
 
 #include <sched.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
@@ -84,6 +85,13 @@ std::optional<std::uint64_t> controlGroupMemoryBytes(const std::string& root) {
     look(group / "memory.limit_in_bytes");
   }
   return bound;
+}
+
+std::uint64_t usableMemoryBytes() {
+  const auto pages = static_cast<std::uint64_t>(std::max(::sysconf(_SC_PHYS_PAGES), 1L));
+  const auto pageBytes = static_cast<std::uint64_t>(std::max(::sysconf(_SC_PAGESIZE), 1L));
+  const std::uint64_t bytes = std::min(pages * pageBytes, controlGroupMemoryBytes().value_or(UINT64_MAX));
+  return bytes / 5 * 4;
 }
 
 unsigned processorCount(const std::string& root) {

@@ -57,6 +57,7 @@ constexpr std::array kEntries{
     ofServer<&Server::simulations>("simulations", 1, "simulations of the server"),
     ofServer<&Server::simulationsPerSession>("simulationsPerSession", 1, "simulations that one connection made"),
     ofServer<&Server::streamsPerSession>("streamsPerSession", 1, "streams of one connection"),
+    ofServer<&Server::offersPerSession>("offersPerSession", 1, "environments that one connection offers"),
     ofServer<&Server::requestsPerSession>("requestsPerSession", 1, "requests of one connection in progress"),
     ofServer<&Server::handshakeMilliseconds>("handshakeMilliseconds", 1, "time until a peer has said hello"),
     ofServer<&Server::environmentConnectMilliseconds>("environmentConnectMilliseconds", 1,

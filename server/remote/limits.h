@@ -25,6 +25,7 @@ struct ServerLimits {
   std::uint32_t simulations = 10'000;
   std::uint32_t simulationsPerSession = 1'000;  // that it made, as long as they exist
   std::uint32_t streamsPerSession = 100;
+  std::uint32_t offersPerSession = 100;
   std::uint32_t requestsPerSession = 1'000;  // in progress at a time
   std::uint32_t handshakeMilliseconds = 10'000;
   std::uint32_t environmentConnectMilliseconds = 5'000;

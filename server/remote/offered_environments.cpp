@@ -1,5 +1,7 @@
 #include "server/remote/offered_environments.h"
 
+#include <algorithm>
+
 namespace espalier::server {
 
 void PendingCall::complete(LinkOutcome outcome) {
@@ -80,6 +82,13 @@ std::vector<std::string> OfferedEnvironments::names() const {
     names.push_back(name);
   }
   return names;
+}
+
+std::size_t OfferedEnvironments::count(const AskedPeer* peer) const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<std::size_t>(std::count_if(offers_.begin(), offers_.end(), [peer](const auto& entry) {
+    return entry.second.offer.peer.lock().get() == peer;
+  }));
 }
 
 std::string OfferedLink::remedy() const {

@@ -64,6 +64,8 @@ class OfferedEnvironments {
   /// As find(), for a question: when another peer takes the name over, `call` fails.
   [[nodiscard]] std::optional<Offer> find(const std::string& name, const std::shared_ptr<PendingCall>& call);
   [[nodiscard]] std::vector<std::string> names() const;
+  /// How many names a peer offers.
+  [[nodiscard]] std::size_t count(const AskedPeer* peer) const;
 
  private:
   struct Entry {

@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "server/remote/control_group.h"
+
 namespace espalier::server {
 namespace {
 
@@ -91,7 +93,7 @@ std::optional<std::string> TraceFile::close() {
                           : std::optional<std::string>("the trace '" + name_ + "' is not complete: " + problem_ + ".");
 }
 
-std::optional<std::string> readTraceFile(const std::string& name, std::string& bytes) {
+std::optional<std::string> readTraceFile(const std::string& name, std::string& bytes, std::uint64_t bound) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(name.c_str(), "rb"), &std::fclose);
   if (file == nullptr) {
     return "cannot read the trace '" + name + "': " + std::strerror(errno) + ".";
@@ -112,12 +114,17 @@ std::optional<std::string> readTraceFile(const std::string& name, std::string& b
   // the last part of a killed program may be cut off: read as far as it goes
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
   std::string decompressed;
+  const std::uint64_t most = bound == 0 ? usableMemoryBytes() : bound;
   ZSTD_inBuffer input{bytes.data(), bytes.size(), 0};
   while (input.pos < input.size) {
     ZSTD_outBuffer output{piece.data(), piece.size(), 0};
     const std::size_t result = ZSTD_decompressStream(context.get(), &output, &input);
     if (ZSTD_isError(result) != 0) {
       return "the trace '" + name + "' is damaged: " + ZSTD_getErrorName(result) + ".";
+    }
+    if (decompressed.size() + output.pos > most) {
+      return "the trace '" + name + "' has more than " + std::to_string(most) +
+             " bytes when it is decompressed. Decompress it with zstd, and look at it in parts.";
     }
     decompressed.append(piece, 0, output.pos);
   }

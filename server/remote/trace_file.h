@@ -39,7 +39,9 @@ class TraceFile final : public core::ByteSink {
   std::string problem_;
 };
 
-/// Reads a trace into `bytes`, decompressed where needed. An error sentence, or nothing.
-[[nodiscard]] std::optional<std::string> readTraceFile(const std::string& name, std::string& bytes);
+/// Reads a trace into `bytes`, decompressed where needed. An error sentence, or nothing. A few bytes can stand for
+/// terabytes: `bound` is of the decompressed ones; 0: the memory that this process may have.
+[[nodiscard]] std::optional<std::string> readTraceFile(const std::string& name, std::string& bytes,
+                                                       std::uint64_t bound = 0);
 
 }  // namespace espalier::server

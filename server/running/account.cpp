@@ -1,7 +1,5 @@
 #include "server/running/account.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -119,13 +117,6 @@ std::vector<const Account*> Accounts::all() const {
     accounts.push_back(account.get());
   }
   return accounts;
-}
-
-std::uint64_t usableMemoryBytes() {
-  const auto pages = static_cast<std::uint64_t>(std::max(::sysconf(_SC_PHYS_PAGES), 1L));
-  const auto pageBytes = static_cast<std::uint64_t>(std::max(::sysconf(_SC_PAGESIZE), 1L));
-  const std::uint64_t bytes = std::min(pages * pageBytes, controlGroupMemoryBytes().value_or(UINT64_MAX));
-  return bytes / 5 * 4;
 }
 
 }  // namespace espalier::server

@@ -114,7 +114,4 @@ class Holding {
   std::uint64_t bytes_ = 0;
 };
 
-/// The memory that this process may have: four fifths of the machine's, or of its control group's when that has less.
-[[nodiscard]] std::uint64_t usableMemoryBytes();
-
 }  // namespace espalier::server

@@ -193,11 +193,16 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     return toError(*error, 0, limits);
   }
   auto& info = std::get<simulation::SnapshotInfo>(read);
-  auto compiled = simulation::compileModels(info, limits);
+  PartMeter modelMemory;
+  auto compiled = [&] {
+    const core::WorkMeter::Scope scope(&modelMemory);
+    return simulation::compileModels(info, limits);
+  }();
   if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
     return toError(diagnostics->entries());
   }
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
+  hosted->setModelBytes(modelMemory.net());
   if (auto error = hosted->build(std::move(std::get<simulation::Programs>(compiled)), info.palette, true)) {
     return std::move(*error);
   }

@@ -50,6 +50,11 @@ class HostedSimulation {
     const std::int64_t bytes = *environmentBytes_;
     return bytes > 0 ? static_cast<std::uint64_t>(bytes) : 0;
   }
+  /// What its compiled models take that no other simulation shares, and what it was made from.
+  [[nodiscard]] std::uint64_t modelBytes() const {
+    return modelBytes_ + record_.create.name.size() + record_.create.environmentJson.size();
+  }
+  void setModelBytes(std::int64_t bytes) { modelBytes_ = bytes > 0 ? static_cast<std::uint64_t>(bytes) : 0; }
   /// The copy on disk is all that it needs to go on later: it is saved, its environment is in this process, and it has
   /// no trace.
   [[nodiscard]] bool canBePassive() const {
@@ -124,6 +129,7 @@ class HostedSimulation {
   std::vector<std::string> processNames_;
   std::shared_ptr<SimulationTrace> trace_;  // null: none
   std::shared_ptr<EnvironmentBytes> environmentBytes_ = std::make_shared<EnvironmentBytes>(0);
+  std::uint64_t modelBytes_ = 0;
   std::shared_ptr<QueryRecorder> queries_ = std::make_shared<QueryRecorder>();
   bool isSaved_ = false;    // the copy on disk is of the present step
   bool isSaveDue_ = false;  // it could not be written: the next step saves it first

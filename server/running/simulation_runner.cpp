@@ -19,7 +19,8 @@ SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, Run
       callSeconds_(services_.limits->callSeconds),
       streamBytesBound_(services_.limits->streamBytes),
       strings_(*services_.account, MemoryKind::Strings),
-      environments_(*services_.account, MemoryKind::Environments) {
+      environments_(*services_.account, MemoryKind::Environments),
+      models_(*services_.account, MemoryKind::Compiling) {
   services_.account->addSimulations(1);
   publishInformation();
 }
@@ -57,6 +58,7 @@ void SimulationRunner::publishInformation() {
   }
   strings_.set(hosted_->stringBytes());
   environments_.set(hosted_->environmentBytes());
+  models_.set(hosted_->modelBytes());
   const std::lock_guard lock(mutex_);
   information_ = std::move(information);
 }
@@ -64,11 +66,19 @@ void SimulationRunner::publishInformation() {
 protocol::SimulationInformation SimulationRunner::information() const {
   const std::lock_guard lock(mutex_);
   auto information = information_;
-  // a request for this information is a command too, and no step
-  const auto isStepping = [](const auto& command) { return command->lane == Lane::Step && !command->isAnswered; };
-  information.isRunning =
-      (current_ != nullptr && isStepping(current_)) || std::any_of(queue_.begin(), queue_.end(), isStepping);
+  information.isRunning = hasSteps();
   return information;
+}
+
+bool SimulationRunner::isRunning() const {
+  const std::lock_guard lock(mutex_);
+  return hasSteps();
+}
+
+bool SimulationRunner::hasSteps() const {
+  // a request for information is a command too, and no step
+  const auto isStepping = [](const auto& command) { return command->lane == Lane::Step && !command->isAnswered; };
+  return (current_ != nullptr && isStepping(current_)) || std::any_of(queue_.begin(), queue_.end(), isStepping);
 }
 
 void SimulationRunner::publishEndOf(Command& command) {
@@ -218,6 +228,7 @@ bool SimulationRunner::makePassive() {
     isPassive_ = true;
     strings_.set(0);
     environments_.set(0);
+    models_.set(0);
   }
   return true;
 }

@@ -70,6 +70,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   /// The same, giving up the running turn; then runs one last command.
   void closeWith(std::shared_ptr<Command> last, const protocol::Error& reason);
   [[nodiscard]] protocol::SimulationInformation information() const;
+  /// A step of it runs or waits.
+  [[nodiscard]] bool isRunning() const;
   [[nodiscard]] const std::string& id() const { return id_; }
   /// Bytes that its streams keep to find differences.
   [[nodiscard]] std::uint64_t streamBytes() const;
@@ -121,7 +123,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void advance(Command& command, bool& wantsMore);
   /// Reads a passive simulation again. An error when it cannot be read.
   [[nodiscard]] std::optional<protocol::Error> activate();
-  void interrupt();  // with mutex_ held: gives up what the turn computes
+  void interrupt();                     // with mutex_ held: gives up what the turn computes
+  [[nodiscard]] bool hasSteps() const;  // with mutex_ held: steps run or wait
 
   const std::string id_;
   const RunnerServices services_;
@@ -132,6 +135,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   std::string lastError_;      // the same
   Holding strings_;            // the same, as the next one
   Holding environments_;
+  Holding models_;
   std::atomic<bool> isPassive_{false};
   std::atomic<bool> isCounted_{true};  // among the simulations of the account
   std::atomic<std::chrono::steady_clock::time_point> lastUse_{std::chrono::steady_clock::now()};

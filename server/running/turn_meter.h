@@ -25,6 +25,8 @@ class TurnMeter final : public core::WorkMeter {
   /// The account did not have what the turn needed.
   [[nodiscard]] bool isRefused() const noexcept { return isRefused_; }
   [[nodiscard]] Account& account() { return *account_; }
+  /// Bytes that this turn has taken and not given back; below 0: it freed older memory.
+  [[nodiscard]] std::int64_t held() const noexcept { return held_; }
   /// Ends the reservation and begins anew.
   void giveBack() noexcept;
   /// Forgets a refusal, unless the work was stopped. True: it may go on.

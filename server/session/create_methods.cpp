@@ -4,6 +4,7 @@
 #include "protocol/codec.h"
 #include "server/remote/translation/translate.h"
 #include "server/running/limit_errors.h"
+#include "server/running/turn_meter.h"
 #include "server/server_core.h"
 #include "server/session/gallery_forest.h"
 #include "server/session/request_work.h"
@@ -139,7 +140,11 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
     return;
   }
   core.keepRoom(session.account());
-  auto compiled = compileModels(core, params);
+  PartMeter modelMemory;
+  auto compiled = [&] {
+    const core::WorkMeter::Scope scope(&modelMemory);
+    return compileModels(core, params);
+  }();
   if (!compiled) {
     session.respondError(id, compiled.error());
     return;
@@ -197,6 +202,7 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
     return;
   }
   auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
+  hosted->setModelBytes(modelMemory.net());
   protocol::CreateResult result = createResultOf(*hosted);
   result.diagnostics = toRecords(models.diagnostics);
   for (const auto& program : models.programs) {

@@ -29,6 +29,11 @@ std::shared_ptr<SimulationRunner> findRunner(const Request& request, const std::
 
 namespace {
 
+protocol::Error internalError(Session& session, const std::exception& exception) {
+  session.core().log().error(std::string("internal error: ") + exception.what(), {.session = session.id()});
+  return {ErrorCode::Internal, std::string("Espalier has a bug: ") + exception.what() + ". Please report it.", {}};
+}
+
 /// Runs `work` for an account; a failure is answered.
 void runMetered(Session& session, const protocol::MessageId& id, const std::function<void(const Request&)>& work,
                 Interruption& interruption) {
@@ -47,8 +52,7 @@ void runMetered(Session& session, const protocol::MessageId& id, const std::func
                   ? callSecondsError(bound, "Nothing was made.", {})
                   : protocol::Error{ErrorCode::Cancelled, "Cancelled; nothing was made.", {}};
   } catch (const std::exception& exception) {
-    session.core().log().error(std::string("internal error: ") + exception.what(), {.session = session.id()});
-    failure = {ErrorCode::Internal, std::string("Espalier has a bug: ") + exception.what() + ". Please report it.", {}};
+    failure = internalError(session, exception);
   }
   if (meter.isRefused()) {
     failure = session.account().memoryError();
@@ -80,6 +84,25 @@ void runOnWorker(const Request& request, std::function<void(const Request&)> wor
     }
   };
   session.core().pool().post(std::move(task));
+}
+
+void listOnWorker(const Request& request, std::function<void(const Request&)> work) {
+  Session& session = request.session;
+  auto run = [weak = session.weak_from_this(), id = request.id, work = std::move(work)] {
+    const auto self = weak.lock();
+    if (self == nullptr) {
+      return;
+    }
+    try {
+      work({*self, id});
+    } catch (const std::bad_alloc&) {
+      self->respondError(id,
+                         {ErrorCode::Limit, "The server has not enough memory for this list. Ask again later.", {}});
+    } catch (const std::exception& exception) {
+      self->respondError(id, internalError(*self, exception));
+    }
+  };
+  session.core().pool().post({.run = std::move(run), .owner = session.id()});
 }
 
 namespace {

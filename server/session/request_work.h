@@ -21,6 +21,10 @@ class Interruption;
 void runOnWorker(const Request& request, std::function<void(const Request&)> work,
                  std::shared_ptr<Interruption> interruption = nullptr);
 
+/// The same for a list of what the server has. An account gets it also when it may take and compute no more: to see
+/// what it can delete.
+void listOnWorker(const Request& request, std::function<void(const Request&)> work);
+
 /// A command of one turn. Its result, as JSON, or its error answers the request.
 using TurnWork = std::function<protocol::Expected<std::string>(SimulationRunner&)>;
 [[nodiscard]] std::shared_ptr<Command> makeCommand(const Request& request, TurnWork work);

@@ -32,7 +32,7 @@ void serverStatus(const Request& request, protocol::NoParams) {
   ServerCore& core = request.session.core();
   const auto runners = core.all();
   const auto running =
-      std::count_if(runners.begin(), runners.end(), [](const auto& runner) { return runner->information().isRunning; });
+      std::count_if(runners.begin(), runners.end(), [](const auto& runner) { return runner->isRunning(); });
   protocol::JsonWriter result;
   result.beginObject().key("server").text("espalier " + std::string(protocol::kProgramVersion));
   result.key("protocol").integer(protocol::kProtocolVersion).key("sessions").integer(core.sessionCount.load());

@@ -14,6 +14,17 @@ namespace {
 
 // of a peer that gets answers without having said hello
 constexpr std::uint32_t kMostLinesBeforeHello = 100;
+// smaller messages are not counted: requestsPerSession bounds them
+constexpr std::size_t kFreeMessageBytes = 1'000;
+
+/// The memory of a selection.
+std::size_t bytesOf(const protocol::StreamSelection& select) {
+  std::size_t bytes = select.plants.size() * sizeof(select.plants.front());
+  for (const std::string& symbol : select.symbols) {
+    bytes += sizeof(symbol) + symbol.size();
+  }
+  return bytes;
+}
 
 }  // namespace
 
@@ -99,7 +110,7 @@ void Session::refuse(const protocol::MessageId& id, const protocol::Error& error
   connection_->closeWhenSent();
 }
 
-void Session::onRead(const protocol::MessageReader::Read& read) {
+void Session::onRead(const protocol::MessageReader::Read& read, std::size_t bytes) {
   // a stranger's flood of short lines would keep the network thread from others
   if (!isGreeted_ && ++linesBeforeHello_ > kMostLinesBeforeHello) {
     if (linesBeforeHello_ == kMostLinesBeforeHello + 1) {
@@ -117,10 +128,10 @@ void Session::onRead(const protocol::MessageReader::Read& read) {
         {LinkFailure::Kind::Garbage, "sent a line that is not a message: " + read.error().error.message, {}});
     return;
   }
-  onMessage(*read);
+  onMessage(*read, bytes);
 }
 
-void Session::onMessage(const protocol::Message& message) {
+void Session::onMessage(const protocol::Message& message, std::size_t bytes) {
   {
     const std::lock_guard lock(mutex_);
     isHeartbeatOwed_ = false;
@@ -149,14 +160,20 @@ void Session::onMessage(const protocol::Message& message) {
     return;
   }
   if (message.kind == protocol::Message::Kind::Request) {
+    protocol::Expected<std::shared_ptr<void>> memory;
+    if (bytes > kFreeMessageBytes) {
+      memory = reserve(MemoryKind::Decoding, bytes);
+    }
     std::optional<protocol::Error> refusal;
-    {
+    if (!memory) {
+      refusal = std::move(memory.error());
+    } else {
       const std::lock_guard lock(mutex_);
       const std::uint64_t bound = core_->options().limits.requestsPerSession;
       if (inProgress_.size() >= bound) {
         refusal = protocol::limitError("requestsPerSession", inProgress_.size() + 1, bound,
                                        "Wait for answers before asking more.");
-      } else if (!inProgress_.emplace(protocol::toText(message.id), std::function<void()>()).second) {
+      } else if (!inProgress_.emplace(protocol::toText(message.id), InProgress{{}, std::move(*memory)}).second) {
         refusal = protocol::Error{protocol::ErrorCode::InvalidRequest,
                                   "The id " + protocol::toText(message.id) +
                                       " belongs to a request in progress. Give each request an id of its own.",
@@ -169,6 +186,27 @@ void Session::onMessage(const protocol::Message& message) {
     }
   }
   dispatch(*this, message);
+}
+
+protocol::Expected<std::shared_ptr<void>> Session::reserve(MemoryKind kind, std::size_t bytes) {
+  Account& owner = account();
+  if (!owner.take(kind, bytes)) {
+    return tl::unexpected(owner.memoryError());
+  }
+  return std::shared_ptr<void>(nullptr,
+                               [&owner, kind, bytes](void*) { owner.add(kind, -static_cast<std::int64_t>(bytes)); });
+}
+
+void Session::holdForRequest(const protocol::MessageId& id, std::size_t bytes) {
+  // the worker that decoded it had taken it from the account
+  Account& owner = account();
+  const auto size = static_cast<std::int64_t>(bytes);
+  owner.add(MemoryKind::Decoding, size);
+  std::shared_ptr<void> memory(nullptr, [&owner, size](void*) { owner.add(MemoryKind::Decoding, -size); });
+  const std::lock_guard lock(mutex_);
+  if (const auto found = inProgress_.find(protocol::toText(id)); found != inProgress_.end()) {
+    found->second.memory = std::move(memory);
+  }
 }
 
 void Session::onAnswer(const protocol::Message& message) {
@@ -344,7 +382,7 @@ bool Session::isAnswering() const {
 
 void Session::onClosed() {
   onPeerEnded();
-  std::map<std::string, std::function<void()>> requests;
+  std::map<std::string, InProgress> requests;
   {
     const std::lock_guard lock(mutex_);
     isClosed_ = true;
@@ -355,9 +393,9 @@ void Session::onClosed() {
     streams_.clear();
   }
   // a request ends with its connection, also within a step: a peer that has left keeps no worker busy
-  for (const auto& [id, cancel] : requests) {
-    if (cancel) {
-      cancel();
+  for (const auto& [id, request] : requests) {
+    if (request.cancel) {
+      request.cancel();
     }
   }
   core_->log().debug("closed", {.session = id_});
@@ -415,7 +453,7 @@ void Session::submit(const protocol::MessageId& id, std::shared_ptr<SimulationRu
 
 void Session::onCancel(const protocol::MessageId& id, std::function<void()> cancel) {
   const std::lock_guard lock(mutex_);
-  inProgress_[protocol::toText(id)] = std::move(cancel);
+  inProgress_[protocol::toText(id)].cancel = std::move(cancel);
 }
 
 std::shared_ptr<EditorConversation> Session::editor() {
@@ -434,7 +472,7 @@ void Session::cancelRequest(const protocol::MessageId& id) {
     if (found == inProgress_.end()) {
       return;
     }
-    cancel = found->second;
+    cancel = found->second.cancel;
   }
   if (cancel) {
     cancel();
@@ -457,11 +495,15 @@ protocol::Expected<std::shared_ptr<Stream>> Session::openStream(protocol::Stream
   if (const std::uint64_t bound = owner.bounds().streams; owner.streams() >= bound) {
     return tl::unexpected(protocol::limitError("accountStreams", bound + 1, bound, "Close one first."));
   }
+  auto memory = reserve(MemoryKind::Frames, bytesOf(params.select));
+  if (!memory) {
+    return tl::unexpected(std::move(memory.error()));
+  }
   std::string name = "stream-" + id_ + "-" + std::to_string(++streamCount_);
   auto stream =
       std::make_shared<Stream>(name, std::move(params), weak_from_this(), static_cast<std::size_t>(limits.outboxBytes));
   owner.addStreams(1);
-  std::shared_ptr<void> place(nullptr, [&owner](void*) { owner.addStreams(-1); });
+  std::shared_ptr<void> place(nullptr, [&owner, memory = std::move(*memory)](void*) { owner.addStreams(-1); });
   streams_.emplace(std::move(name), OpenStream{stream, runner.weak_from_this(), std::move(place)});
   return stream;
 }

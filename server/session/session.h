@@ -31,7 +31,10 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   ~Session() override;
 
   // network thread, but for onRead(): one message at a time, big ones on a worker
-  void onRead(const protocol::MessageReader::Read& read);
+  /// `bytes`: of the message, counted for the account until a request is answered. 0: holdForRequest() follows.
+  void onRead(const protocol::MessageReader::Read& read, std::size_t bytes = 0);
+  /// So many bytes of a request's message stay until it is answered. On the thread of onRead(), after it.
+  void holdForRequest(const protocol::MessageId& id, std::size_t bytes);
   /// The framing is lost: tells the peer the reason and closes the connection.
   void onLost(const protocol::Error& error);
   void onHandshakeTimeout();
@@ -96,7 +99,9 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   [[nodiscard]] bool closeStream(const std::string& id);
 
  private:
-  void onMessage(const protocol::Message& message);
+  void onMessage(const protocol::Message& message, std::size_t bytes);
+  /// Memory of the account, given back with the last reference. An error when the account does not have it.
+  [[nodiscard]] protocol::Expected<std::shared_ptr<void>> reserve(MemoryKind kind, std::size_t bytes);
   void onAnswer(const protocol::Message& message);
   void onHello(const protocol::Message& message);
   /// Refuses and closes.
@@ -124,7 +129,11 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   std::uint64_t streamCount_ = 0;
   std::map<std::string, std::shared_ptr<PendingCall>> pending_;  // questions to the peer, by id
   std::shared_ptr<EditorConversation> editor_;
-  std::map<std::string, std::function<void()>> inProgress_;   // how to cancel its requests, by the text of their id
+  struct InProgress {
+    std::function<void()> cancel;  // empty: it cannot be cancelled
+    std::shared_ptr<void> memory;  // of its params, in the account; null: little
+  };
+  std::map<std::string, InProgress> inProgress_;              // its requests, by the text of their id
   std::map<std::string, std::vector<std::string>> warnings_;  // for answers to come, by the text of the request's id
   /// A stream counts for the account as long as it is in the map.
   struct OpenStream {

@@ -120,16 +120,19 @@ void simulationDelete(const Request& request, protocol::SimulationParams params)
 }
 
 void simulationList(const Request& request, protocol::NoParams) {
-  Session& session = request.session;
-  protocol::JsonWriter result;
-  result.beginObject().key("simulations").beginArray();
-  for (const auto& runner : session.core().all()) {
-    write(result, runner->information());
-  }
-  for (const protocol::SimulationInformation& damaged : session.core().damaged()) {
-    write(result, damaged);
-  }
-  session.respond(request.id, result.endArray().endObject().view());
+  // there may be thousands
+  listOnWorker(request, [](const Request& self) {
+    const ServerCore& core = self.session.core();
+    protocol::JsonWriter result;
+    result.beginObject().key("simulations").beginArray();
+    for (const auto& runner : core.all()) {
+      write(result, runner->information());
+    }
+    for (const protocol::SimulationInformation& damaged : core.damaged()) {
+      write(result, damaged);
+    }
+    self.session.respond(self.id, result.endArray().endObject().view());
+  });
 }
 
 }  // namespace methods

@@ -34,6 +34,11 @@ std::optional<std::string> decompress(std::string_view packed) {
   if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) {
     return std::nullopt;
   }
+  // what no frame can hold: a block of 128 KB takes four bytes at least
+  constexpr unsigned long long kMostBytesOfAByte = 32'768;
+  if (size / kMostBytesOfAByte > packed.size()) {
+    return std::nullopt;
+  }
   std::string bytes(static_cast<std::size_t>(size), '\0');
   const std::size_t found = ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size());
   if (ZSTD_isError(found) != 0 || found != size) {

@@ -193,12 +193,14 @@ def stream_rows(entries: dict) -> list[list[str]]:
 
 
 def viewer_rows(entries: dict) -> list[list[str]]:
-    rows = [["steps with 50 viewers", "modules", "alone us", "with viewers us", "wall ratio", "CPU ratio of the stepping thread"]]
+    rows = [["steps with 50 viewers", "modules", "alone us", "with viewers us", "wall ratio", "CPU ratio of the stepping thread",
+             "its instruction ratio"]]
     for name, entry in entries.items():
         if name.startswith("viewers/"):
             rows.append([name, f"{entry['modules']:,.0f}", f"{entry['alone us']:,.1f}",
-                         f"{milliseconds(entry) * 1000:,.1f}", f"{entry['viewers wall ratio']:.2f}",
-                         f"{entry['viewers cpu ratio']:.2f}"])
+                         f"{entry['real_time']:,.1f}", f"{entry['viewers wall ratio']:.2f}",
+                         f"{entry['viewers cpu ratio']:.2f}",
+                         f"{entry.get('viewers instruction ratio') or float('nan'):.3f}"])
     return rows
 
 

@@ -2,6 +2,10 @@
 // the steps. Viewers share the machine with the steps, and must not share their thread.
 #include <benchmark/benchmark.h>
 
+#include <linux/perf_event.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <ctime>
@@ -60,6 +64,37 @@ constexpr Kind kKinds[] = {
     {"differences", "turtle", true, true, false, true}, {"glb", "geometry", true, false, false, true},
     {"selections", "turtle", true, false, true, true},  {"never-reads", "turtle", true, false, false, false}};
 
+/// Counts the instructions of this thread. They tell work from waiting for memory that viewers' threads use too.
+class InstructionCounter {
+ public:
+  InstructionCounter() {
+    perf_event_attr wanted{};
+    wanted.size = sizeof(wanted);
+    wanted.type = PERF_TYPE_HARDWARE;
+    wanted.config = PERF_COUNT_HW_INSTRUCTIONS;
+    wanted.exclude_kernel = 1;
+    wanted.exclude_hv = 1;
+    descriptor_ = static_cast<int>(::syscall(SYS_perf_event_open, &wanted, 0, -1, -1, 0));
+  }
+  ~InstructionCounter() {
+    if (descriptor_ >= 0) {
+      ::close(descriptor_);
+    }
+  }
+  InstructionCounter(const InstructionCounter&) = delete;
+  InstructionCounter& operator=(const InstructionCounter&) = delete;
+
+  /// 0: the system does not count.
+  [[nodiscard]] double count() const {
+    std::uint64_t value = 0;
+    const bool isRead = descriptor_ >= 0 && ::read(descriptor_, &value, sizeof(value)) == sizeof(value);
+    return isRead ? static_cast<double>(value) : 0.0;
+  }
+
+ private:
+  int descriptor_ = -1;
+};
+
 /// The simulation of a server, with steps that a benchmark asks for.
 class Watched {
  public:
@@ -85,6 +120,7 @@ class Watched {
 
   struct Times {
     double cpuSeconds = 0.0;
+    double instructions = 0.0;
     std::vector<double> wallMicroseconds;
     std::uint64_t modules = 0;
   };
@@ -95,6 +131,7 @@ class Watched {
     command([&](server::SimulationRunner& runner) {
       timespec begin{};
       timespec end{};
+      const InstructionCounter counter;
       clock_gettime(CLOCK_THREAD_CPUTIME_ID, &begin);
       for (int i = 0; i < count; ++i) {
         const auto start = Clock::now();
@@ -104,6 +141,7 @@ class Watched {
         times.wallMicroseconds.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
       }
       clock_gettime(CLOCK_THREAD_CPUTIME_ID, &end);
+      times.instructions = counter.count();
       times.cpuSeconds =
           static_cast<double>(end.tv_sec - begin.tv_sec) + 1e-9 * static_cast<double>(end.tv_nsec - begin.tv_nsec);
       times.modules = runner.hosted().simulation().statistics().modules;
@@ -180,6 +218,8 @@ void stepWithViewers(benchmark::State& state, const Kind& kind, const std::strin
     state.counters["alone us"] = medianOf(without.wallMicroseconds);
     state.counters["cpu us"] = with.cpuSeconds * 1e6 / steps;
     state.counters["viewers cpu ratio"] = with.cpuSeconds / without.cpuSeconds;
+    state.counters["viewers instruction ratio"] =
+        without.instructions > 0 ? with.instructions / without.instructions : 0;
     state.counters["viewers wall ratio"] = wall / medianOf(without.wallMicroseconds);
   }
 }

@@ -4,21 +4,28 @@ Strangers without the token: silent connections, slow ones, half a message and g
 Peers with the token: models that explode while they are compiled or grown, snapshots with wrong bytes, streams that are
 opened and closed, ids that are used twice, answers that are never read, WebSockets with wrong frames, numbers of every kind
 where others belong, simulations that fill the disk. The server has few descriptors, little memory and little room on its
-disk. The client that means well must get every answer, and its waiting times are printed. What was answered as saved is
-there after the server was killed.
+disk, and its wall clock jumps. The client that means well must get every answer, and its waiting times are printed. What
+was answered as saved is there after the server was killed.
+
+Where libfaketime is installed (package faketime) the clock jumps; where this process may make control groups the server
+is in one that bounds its memory. What is missing is printed.
 """
 
 import base64
 import json
 import multiprocessing
+import os
 import random
 import socket
+import ssl
 import statistics
 import struct
+import subprocess
 import threading
 import time
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
 from support import Process, program
 
@@ -26,6 +33,8 @@ from espalier import Client, EspalierError, ServerError
 
 PROCESSES = multiprocessing.get_context("fork")
 SECONDS = 60
+# of the control group; the limit memoryBytes is 150 MB
+GROUP_BYTES = 500_000_000
 TOKEN = "means well"
 DOUBLING = "Lsystem: 1\nderivation length: 60\nAxiom: A(1)\nA(x) --> A(x)A(x)\nendlsystem\n"
 STEADY = "Lsystem: 1\nderivation length: 1000000\nAxiom: A(0.5)\nA(x) --> A(ran(1)+x/2)\nendlsystem\n"
@@ -49,6 +58,77 @@ def checksum(content: bytes) -> bytes:
     for byte in content:
         value = (value ^ byte) * 0x100000001b3 % 2**64
     return struct.pack("<Q", value)
+
+
+@dataclass
+class Surroundings:
+    """What the server runs in."""
+
+    folder: Path
+    is_encrypted: bool = False
+    clock: Optional[Path] = None  # a file that says how far the wall clock is off
+    group: Optional[Path] = None  # a control group that bounds its memory
+
+    @property
+    def certificate(self) -> Path:
+        return self.folder / "certificate.pem"
+
+    @property
+    def scheme(self) -> str:
+        return "tls://" if self.is_encrypted else ""
+
+    def prepare(self) -> None:
+        if self.is_encrypted:
+            subprocess.run(
+                ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
+                 "-keyout", str(self.folder / "key.pem"), "-out", str(self.certificate), "-subj", "/CN=localhost",
+                 "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1"], check=True, capture_output=True)
+            # the clients of this process and of its children trust it
+            os.environ["SSL_CERT_FILE"] = str(self.certificate)
+        if list(Path("/usr/lib").glob("*/faketime/libfaketime.so.1")):
+            self.clock = self.folder / "clock"
+            self.clock.write_text("+0\n", encoding="ascii")
+        else:
+            print("the clock does not jump: libfaketime is not installed")
+        self.group = memory_group()
+        if self.group is None:
+            print("no control group bounds the server: this process may not make one")
+
+    def clean(self) -> None:
+        os.environ.pop("SSL_CERT_FILE", None)
+        if self.group is not None:
+            self.group.rmdir()
+
+    def serve(self) -> Process:
+        settings = {}
+        if self.clock is not None:
+            library = next(iter(Path("/usr/lib").glob("*/faketime/libfaketime.so.1")))
+            # steps and time-outs go by the other clock, which does not jump
+            settings = {"LD_PRELOAD": str(library), "FAKETIME_TIMESTAMP_FILE": str(self.clock), "FAKETIME_CACHE_DURATION": "1",
+                        "FAKETIME_DONT_FAKE_MONOTONIC": "1"}
+        enter = f"echo $$ > '{self.group}/cgroup.procs'; " if self.group is not None else ""
+        variables = " ".join(f"{name}='{value}'" for name, value in settings.items())
+        encryption = f"--certificate '{self.certificate}' --key '{self.folder}/key.pem'" if self.is_encrypted else ""
+        return Process(["bash", "-c", f"{enter}ulimit -n 200; exec env {variables} '{program()}' serve --listen 127.0.0.1:0 "
+                                      f"--http 127.0.0.1:0 {encryption} --token '{TOKEN}' --data '{self.folder}/data' "
+                                      "--log-level off --limit memoryBytes=150000000 --limit storeBytes=20000000 "
+                                      "--limit callSeconds=2 --limit handshakeMilliseconds=1000"])
+
+
+def memory_group() -> Optional[Path]:
+    """A control group with GROUP_BYTES of memory; None where this process may not make one."""
+    for root, bound in ((Path("/sys/fs/cgroup/memory"), "memory.limit_in_bytes"), (Path("/sys/fs/cgroup"), "memory.max")):
+        group = root / f"espalier-hostility-{os.getpid()}"
+        try:
+            group.mkdir()
+        except OSError:
+            continue
+        try:
+            (group / bound).write_text(str(GROUP_BYTES), encoding="ascii")
+            return group
+        except OSError:
+            group.rmdir()
+    return None
 
 
 def mean_well(address: str, end: float, sender: Any) -> None:
@@ -76,9 +156,11 @@ def mean_well(address: str, end: float, sender: Any) -> None:
 class Hostility:
     """Parts that are repeated, each in a thread of its own, until the time is over or something is wrong."""
 
-    def __init__(self, address: str, http: str, seconds: float) -> None:
+    def __init__(self, surroundings: Surroundings, address: str, http: str, seconds: float) -> None:
+        self.surroundings = surroundings
         self.sides = {"protocol": self._pair(address), "http": self._pair(http)}
-        self.address = address
+        self.address = surroundings.scheme + address
+        self.trusting = ssl.create_default_context(cafile=str(surroundings.certificate)) if surroundings.is_encrypted else None
         self.end = time.monotonic() + seconds
         self.counts: Dict[str, int] = {}
         self.failures: List[str] = []
@@ -127,13 +209,18 @@ class Hostility:
 
     # ---- strangers
 
-    def connect(self, side: str) -> socket.socket:
+    def connect_plainly(self, side: str) -> socket.socket:
+        """A connection whose peer does not begin TLS."""
         peer = socket.create_connection(self.sides[side], 10)
         peer.settimeout(5)
         return peer
 
+    def connect(self, side: str) -> socket.socket:
+        peer = self.connect_plainly(side)
+        return peer if self.trusting is None else self.trusting.wrap_socket(peer, server_hostname="localhost")
+
     def stay_silent(self, dice: random.Random) -> None:
-        peers = [self.connect(dice.choice(("protocol", "http"))) for _ in range(20)]
+        peers = [self.connect_plainly(dice.choice(("protocol", "http"))) for _ in range(20)]
         time.sleep(dice.uniform(0.1, 1.0))
         for peer in peers:
             peer.close()
@@ -143,7 +230,7 @@ class Hostility:
         """A letter at a time, on each transport."""
         side, text = dice.choice((("protocol", HELLO.replace(b"means well", b"guess")), ("http", UPGRADE),
                                   ("http", b"GET /metrics HTTP/1.1\r\nX: " + b"y" * 1000)))
-        with self.connect(side) as peer:
+        with dice.choice((self.connect, self.connect_plainly))(side) as peer:
             for letter in text[:dice.randrange(1, 80)]:
                 peer.sendall(bytes([letter]))
                 time.sleep(0.01)
@@ -152,7 +239,7 @@ class Hostility:
     def vanish(self, dice: random.Random) -> None:
         """Half a message, and a reset instead of an end."""
         side, text = dice.choice((("protocol", HELLO), ("http", UPGRADE)))
-        peer = self.connect(side)
+        peer = dice.choice((self.connect, self.connect_plainly))(side)
         peer.sendall(text[:dice.randrange(len(text))])
         peer.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
         peer.close()
@@ -163,7 +250,7 @@ class Hostility:
         side = dice.choice(("protocol", "http"))
         text = dice.choice((b"x" * 1_000_000, b'{"jsonrpc":"2.0","id":1,"method":"ping"}\n' * 5_000, b"[" * 100_000 + b"\n",
                             bytes(dice.randrange(256) for _ in range(10_000)), UPGRADE * 50))
-        with self.connect(side) as peer:
+        with dice.choice((self.connect, self.connect_plainly))(side) as peer:
             peer.sendall(text)
         self.count("floods")
 
@@ -212,12 +299,32 @@ class Hostility:
                 client.call("simulation.delete", {"simulation": plant.identifier})
 
     def open_and_close(self, dice: random.Random) -> None:
-        with self.trusted() as client:
+        """Many streams: each request is sent without waiting for the answer to the last one."""
+        with self.trusted() as client, self.connect("protocol") as peer:
             plant = client.create(STEADY, seed=1, save=False)
-            for _ in range(200):
-                stream = client.call("stream.open", {"simulation": plant.identifier, "what": dice.choice(("turtle", "string"))})
-                client.call("stream.close", {"stream": stream["stream"]})
-                self.count("streams")
+            peer.settimeout(SECONDS)
+            lines = peer.makefile("rb")
+            peer.sendall(HELLO)
+            lines.readline()
+            for _ in range(20):
+                what = dice.choice(("turtle", "string", "geometry"))
+                asked = {"jsonrpc": "2.0", "method": "stream.open", "params": {"simulation": plant.identifier, "what": what}}
+                peer.sendall(b"".join(json.dumps({**asked, "id": number}).encode() + b"\n" for number in range(2, 102)))
+                names: List[str] = []
+                refused = 0
+                while len(names) + refused < 100:
+                    answer = json.loads(lines.readline() or b'{"id": 0, "error": {}}')
+                    if "stream" in answer.get("result", {}):
+                        names.append(answer["result"]["stream"])
+                    elif "id" in answer:
+                        refused += 1
+                peer.sendall(b"".join(json.dumps({"jsonrpc": "2.0", "id": name, "method": "stream.close",
+                                                  "params": {"stream": name}}).encode() + b"\n" for name in names))
+                closed = 0
+                while closed < len(names):
+                    closed += 1 if "id" in json.loads(lines.readline() or b'{"id": 0}') else 0
+                with self._lock:
+                    self.counts["streams"] = self.counts.get("streams", 0) + len(names)
             client.call("simulation.delete", {"simulation": plant.identifier})
 
     def reuse(self, dice: random.Random) -> None:
@@ -305,6 +412,16 @@ class Hostility:
                 for plant in made:
                     client.call("simulation.delete", {"simulation": plant.identifier})
 
+    # ---- the machine
+
+    def jump(self, dice: random.Random) -> None:
+        """The wall clock goes to another day, year or second."""
+        if self.surroundings.clock is not None:
+            self.surroundings.clock.write_text(dice.choice(("+0", "+3h", "-2h", "+400d", "-400d", "+20y", "-1")) + "\n",
+                                               encoding="ascii")
+            self.count("jumps of the clock")
+        time.sleep(dice.uniform(0.5, 2.0))
+
     # ---- the clients that mean well
 
     def save_well(self, _dice: random.Random) -> None:
@@ -331,26 +448,22 @@ def resident_bytes(process_id: int) -> int:
     return 0
 
 
-def serve(folder: str) -> Process:
-    return Process(["bash", "-c", f"ulimit -n 200; exec '{program()}' serve --listen 127.0.0.1:0 --http 127.0.0.1:0 "
-                                  f"--token '{TOKEN}' --data '{folder}/data' --log-level off --limit memoryBytes=150000000 "
-                                  "--limit storeBytes=20000000 --limit callSeconds=2 --limit handshakeMilliseconds=1000"])
-
-
-def problems_at_end(server: Process, hostility: Hostility, folder: str) -> List[str]:
+def problems_at_end(server: Process, hostility: Hostility) -> List[str]:
     """What is wrong with the server after all that, and with what it has kept when it was killed."""
     if server.process.poll() is not None:
         return [f"the server ended with {server.process.poll()}"]
-    with Client(server.address, timeout=SECONDS, token=TOKEN) as client:
+    with Client(hostility.address, timeout=SECONDS, token=TOKEN) as client:
         status = client.status()
     problems = []
     if status["damaged"] != 0 or status["simulations"] > 20:
         problems.append(f"something was left behind: {status}")
     server.process.kill()
     server.process.wait(SECONDS)
-    again = serve(folder)
+    again = hostility.surroundings.serve()
     try:
-        with Client(again.address, timeout=SECONDS, token=TOKEN) as client:
+        with Client(hostility.surroundings.scheme + again.address, timeout=SECONDS, token=TOKEN) as client:
+            if not hostility.saved:
+                return problems + ["nothing was saved"]
             step = client.call("simulation.get", {"simulation": hostility.saved, "what": "statistics"})["step"]
             if step < hostility.saved_step:
                 problems.append(f"step {hostility.saved_step} was answered as saved, and {step} is there")
@@ -359,30 +472,47 @@ def problems_at_end(server: Process, hostility: Hostility, folder: str) -> List[
     return problems
 
 
-def attack(seconds: float, folder: str) -> List[str]:
+def attack(seconds: float, folder: str, is_encrypted: bool = False) -> List[str]:
     """What went wrong. Prints what was done, the waiting times, and the memory."""
-    server = serve(folder)
+    surroundings = Surroundings(Path(folder), is_encrypted)
+    surroundings.prepare()
+    try:
+        return attack_in(surroundings, seconds)
+    finally:
+        surroundings.clean()
+
+
+def attack_in(surroundings: Surroundings, seconds: float) -> List[str]:
+    server = surroundings.serve()
     try:
         http = server._stream.readline().split()[-1]
-        hostility = Hostility(server.address, http, seconds)
+        hostility = Hostility(surroundings, server.address, http, seconds)
         samples: List[int] = []
         stop = threading.Event()
 
         def look() -> None:
-            while not stop.wait(seconds / 100):
+            while not stop.wait(min(seconds / 100, 5)):
                 samples.append(resident_bytes(server.process.pid))
 
         watcher = threading.Thread(target=look)
         watcher.start()
         hostility.run([hostility.stay_silent, hostility.drip, hostility.drip, hostility.vanish, hostility.flood, hostility.explode,
                        hostility.explode, hostility.forge, hostility.open_and_close, hostility.reuse, hostility.end_half,
-                       hostility.frame, hostility.ask_oddly, hostility.fill, hostility.save_well])
+                       hostility.frame, hostility.ask_oddly, hostility.fill, hostility.jump, hostility.save_well])
         stop.set()
         watcher.join()
-        hostility.failures += problems_at_end(server, hostility, folder)
+        hostility.failures += problems_at_end(server, hostility)
     finally:
         server.stop()
+    report(hostility, seconds, samples)
+    return hostility.failures
+
+
+def report(hostility: Hostility, seconds: float, samples: List[int]) -> None:
     waits = sorted(hostility.waits)
+    if not waits:
+        hostility.failures.append("the client that means well made no step")
+        waits = [float("nan")]
     print(f"{seconds:g} s: " + ", ".join(f"{number} {what}" for what, number in sorted(hostility.counts.items())))
     print(f"{len(waits)} steps of the client that means well: median {1e3 * statistics.median(waits):.1f} ms, "
           f"99 of 100 {1e3 * waits[len(waits) * 99 // 100]:.1f} ms, longest {1e3 * waits[-1]:.0f} ms; "
@@ -399,4 +529,3 @@ def attack(seconds: float, folder: str) -> List[str]:
         hostility.failures.append(f"nothing came of: {', '.join(sorted(missing))}")
     if hostility.saved_step == 0:
         hostility.failures.append("no step was saved")
-    return hostility.failures

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/server/raw_peer.h"
 #include "tests/server/server_fixture.h"
@@ -339,6 +342,105 @@ TEST(AccountsInUse, AFrameThatDoesNotFitEndsItsStreamAndNothingElse) {
   EXPECT_EQ(end->method, "stream.end");
   EXPECT_NE(member(end->paramsJson, "reason").find("(limit memoryBytes)"), std::string::npos) << end->paramsJson;
   EXPECT_EQ(hashOf(*client, simulation).size(), 16U);
+}
+
+/// Asks until the memory is used up; how many times that went well.
+int countUntilFull(const std::function<client::Outcome()>& ask) {
+  for (int made = 0; made < 100; ++made) {
+    const client::Outcome outcome = ask();
+    if (!outcome) {
+      EXPECT_EQ(member(outcome.error().data, "limit"), "memoryBytes") << outcome.error().message;
+      return made;
+    }
+  }
+  ADD_FAILURE() << "the memory was never used up";
+  return 100;
+}
+
+TEST(AccountsInUse, TheTextOfAModelCountsAsLongAsItsSimulation) {
+  const RunningServer server(withMemory(60'000'000));
+  const auto client = connectTo(server);
+  const std::string source = std::string(kSmall) + "/*" + std::string(4'000'000, 'x') + "*/\n";
+  std::vector<std::string> names;
+  const int made = countUntilFull([&] {
+    client::Outcome outcome = client->request("simulation.create", createParams(source));
+    if (outcome) {
+      names.push_back(member(*outcome, "simulation"));
+    }
+    return outcome;
+  });
+  EXPECT_GT(made, 2);
+  EXPECT_LT(made, 15);
+  // forks share it
+  resultOf(client->request("simulation.delete", named(names.back())));
+  resultOf(client->request("simulation.fork", named(names.front())));
+  for (const std::string& name : names) {
+    if (name != names.back()) {
+      resultOf(client->request("simulation.delete", named(name)));
+    }
+  }
+  while (numberOf(member(statusOf(*client), "memory"), "compilingBytes") > 1'000'000) {
+    std::this_thread::yield();
+  }
+}
+
+TEST(AccountsInUse, SelectionsOfStreamsCount) {
+  const RunningServer server(withMemory(60'000'000));
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kSmall);
+  protocol::JsonWriter symbols;
+  symbols.beginObject().key("symbols").texts(std::vector<std::string>(1'000, std::string(4'000, 'x'))).endObject();
+  const std::string params = named(simulation, R"("what":"turtle","select":)" + std::string(symbols.view()));
+  std::vector<std::string> streams;
+  const int made = countUntilFull([&] {
+    client::Outcome outcome = client->request("stream.open", params);
+    if (outcome) {
+      streams.push_back(member(*outcome, "stream"));
+    }
+    return outcome;
+  });
+  EXPECT_GT(made, 2);
+  EXPECT_LT(made, 15);
+  for (const std::string& stream : streams) {
+    resultOf(client->request("stream.close", R"({"stream":")" + stream + R"("})"));
+  }
+  while (numberOf(member(statusOf(*client), "memory"), "frameBytes") > 1'000'000) {
+    std::this_thread::yield();
+  }
+}
+
+TEST(AccountsInUse, RequestsThatWaitForTheirTurnCount) {
+  const RunningServer server(withMemory(60'000'000));
+  const auto client = connectTo(server);
+  // a step of minutes
+  const std::string busy =
+      create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: " + std::string(2'000, 'B') +
+                          "\nB : {i = 0; while (i < 50000000) {i = i + 1;}} * --> B\nendlsystem\n");
+  RawPeer stepping(server);
+  (void)stepping.ask(kHello);
+  stepping.send(R"({"jsonrpc":"2.0","id":2,"method":"simulation.step","params":)" + named(busy) + "}\n");
+  while (member(statusOf(*client), "running") != "1") {
+    std::this_thread::yield();
+  }
+  {
+    RawPeer waiting(server);
+    (void)waiting.ask(kHello);
+    const std::string params = named(busy, R"("snapshot":")" + std::string(8'000'000, 'A') + R"(")");
+    for (int id = 2; id < 22; ++id) {
+      waiting.send(R"({"jsonrpc":"2.0","id":)" + std::to_string(id) + R"(,"method":"simulation.restore","params":)" +
+                   params + "}\n");
+    }
+    // only a refusal comes: those that are accepted wait
+    const std::string line = waiting.line();
+    EXPECT_EQ(member(member(protocol::memberOf(line, "error").value_or("{}"), "data"), "limit"), "memoryBytes") << line;
+    EXPECT_LE(numberOf(member(statusOf(*client), "memory"), "usedBytes"), 60'000'000U);
+    // the step that others wait for goes on
+    EXPECT_EQ(member(statusOf(*client), "running"), "1");
+  }
+  while (numberOf(member(statusOf(*client), "memory"), "decodingBytes") > 1'000'000) {
+    std::this_thread::yield();
+  }
+  resultOf(client->request("simulation.delete", named(busy)));
 }
 
 TEST(AccountsInUse, StatesThatAreRestoredAndEditedHaveTheBoundsOfSteps) {

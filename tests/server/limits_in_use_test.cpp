@@ -140,6 +140,18 @@ TEST(LimitsInUse, ASessionMakesAsManySimulationsAsItMayAndAnotherItsOwn) {
   (void)create(*client, kGrowth);
 }
 
+TEST(LimitsInUse, APeerOffersAsManyEnvironmentsAsItMay) {
+  ServerOptions options;
+  options.limits.offersPerSession = 2;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  resultOf(client->request("environment.offer", R"({"name":"a"})"));
+  resultOf(client->request("environment.offer", R"({"name":"b"})"));
+  EXPECT_EQ(errorOf(client->request("environment.offer", R"({"name":"c"})")).data,
+            R"({"bound":2,"limit":"offersPerSession","value":3})");
+  resultOf(connectTo(server)->request("environment.offer", R"({"name":"c"})"));
+}
+
 TEST(LimitsInUse, PlantsOfOneSimulationShareItsModulesAndBytes) {
   const auto stepped = [](std::string_view limit, std::uint64_t bound) {
     ServerOptions options;

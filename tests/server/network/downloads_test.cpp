@@ -37,12 +37,12 @@ TEST(Downloads, OtherPathsAreNotDownloads) {
 }
 
 TEST(Downloads, AServerWithATokenWantsIt) {
-  EXPECT_FALSE(downloadProblem("", Access({})));
+  EXPECT_TRUE(downloadGrant("", Access({})));
   const Access access(
       {tokenOf("screen", "secret", {protocol::Role::Viewer}), tokenOf("light", "lamp", {protocol::Role::Environment})});
-  EXPECT_FALSE(downloadProblem("Bearer secret", access));
+  EXPECT_TRUE(downloadGrant("Bearer secret", access));
   for (const char* wrong : {"", "Bearer ", "Bearer secre", "Bearer secret2", "secret", "Bearer lamp"}) {
-    EXPECT_TRUE(downloadProblem(wrong, access)) << wrong;
+    EXPECT_FALSE(downloadGrant(wrong, access)) << wrong;
   }
 }
 

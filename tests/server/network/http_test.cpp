@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -81,6 +82,34 @@ TEST(Http, AConnectionIsKeptForMoreRequestsAndNotForEver) {
   peer.send(kRequest);
   EXPECT_TRUE(hasLine(peer, "Connection: close"));
   EXPECT_TRUE(peer.isClosed());
+}
+
+TEST(Http, DownloadsThatNobodyReadsCountForTheAccount) {
+  ServerOptions options = withHttp(10'000);
+  options.limits.memoryBytes = 150'000'000;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string simulation =
+      create(*client, "Lsystem: 1\nderivation length: 40\nAxiom: A(1)\nA(x) --> A(x)A(x)\nendlsystem\n");
+  // a snapshot of ten megabytes, more than the system takes for a peer that does not read
+  resultOf(client->request("simulation.step", named(simulation, R"("steps":20)")));
+  const std::string request = "GET /simulations/" + simulation + "/plant.snapshot HTTP/1.1\r\nHost: localhost\r\n\r\n";
+  std::vector<std::unique_ptr<RawPeer>> peers;
+  bool isRefused = false;
+  while (!isRefused && peers.size() < 30) {
+    peers.push_back(std::make_unique<RawPeer>(server.httpAddress()));
+    peers.back()->send(request);
+    isRefused = peers.back()->line() == "HTTP/1.1 503 Service Unavailable";
+  }
+  EXPECT_TRUE(isRefused);
+  EXPECT_GT(peers.size(), 3U);
+  peers.clear();
+  while (std::stoull(member(member(resultOf(client->request("server.status", "{}")), "memory"), "frameBytes")) > 0) {
+    std::this_thread::yield();
+  }
+  RawPeer reader(server.httpAddress());
+  reader.send(request);
+  EXPECT_EQ(reader.line(), "HTTP/1.1 200 OK");
 }
 
 }  // namespace

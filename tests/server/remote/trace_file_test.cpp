@@ -41,6 +41,21 @@ TEST(TraceFile, WhatWasFlushedIsReadableThoughTheFileWasNeverClosed) {
   EXPECT_EQ(bytes, "first");
 }
 
+TEST(TraceFile, AFewBytesDoNotFillTheMemory) {
+  const TemporaryFolder folder;
+  const auto file = make(folder.path() + "/t.zst");
+  file->write(std::string(50'000'000, 'x'));
+  EXPECT_EQ(file->close(), std::nullopt);
+  ASSERT_LT(std::filesystem::file_size(folder.path() + "/t.zst"), 100'000U);
+  std::string bytes;
+  EXPECT_EQ(readTraceFile(folder.path() + "/t.zst", bytes, 50'000'000), std::nullopt);
+  const auto problem = readTraceFile(folder.path() + "/t.zst", bytes, 49'999'999);
+  ASSERT_TRUE(problem.has_value());
+  EXPECT_NE(problem->find("has more than 49999999 bytes when it is decompressed. Decompress it with zstd"),
+            std::string::npos)
+      << *problem;
+}
+
 TEST(TraceFile, FailuresAreSentences) {
   const TemporaryFolder folder;
   const auto made = TraceFile::create(folder.path() + "/none/t");

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/core/buffer.h"
+#include "server/remote/control_group.h"
 #include "server/remote/limits.h"
 #include "server/running/turn_meter.h"
 
