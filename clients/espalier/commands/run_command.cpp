@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "clients/espalier/output/field_outputs.h"
 #include "clients/espalier/output/growth_outputs.h"
 #include "clients/espalier/output/outputs.h"
+#include "clients/espalier/output/paraview_series.h"
 #include "clients/espalier/output/plant_rows.h"
 #include "clients/espalier/output/progress_bar.h"
 #include "clients/espalier/resumed_run.h"
@@ -94,8 +96,10 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
   ProgressBar bar(!options.model.isQuiet);
   options.trace.begin(simulation);
   std::optional<GrowthOutputs> growth;
+  std::vector<std::uint64_t> steps;
   const auto writeStep = [&] {
     const std::uint64_t step = simulation.completedSteps();
+    steps.push_back(step);
     return options.fields.addStep(simulation, options.writesEveryStep ? std::optional(step) : std::nullopt,
                                   options.model.isQuiet) &&
            (!options.writesEveryStep || (writer.write(simulation, step) && growth->addFrame(simulation)));
@@ -121,6 +125,17 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
     options.trace.complete(simulation);
     bar.show(simulation.completedSteps(), last.value_or(simulation.derivationLength()),
              simulation.statistics().modules);
+  }
+  if (options.writesEveryStep) {
+    std::vector<std::string> files;
+    std::ranges::copy_if(options.outputs.files, std::back_inserter(files), [&](const std::string& file) {
+      const turtle::ExportFormat* const format = formatOf(options.outputs, file);
+      return format != nullptr && format->suffix == ".vtp";
+    });
+    std::ranges::copy(options.fields.files(), std::back_inserter(files));
+    if (!writeParaviewSeries(files, steps, options.model.isQuiet)) {
+      return false;
+    }
   }
   return !growth || growth->finish(options.model.isQuiet);
 }
