@@ -14,6 +14,7 @@ struct HttpPage {
   std::string type = "text/plain; charset=utf-8";
   std::string body;
   std::string fileName{};  // for saving; empty: the browser shows the page
+  std::string policy{};    // Content-Security-Policy; empty: that of the server's own page
 };
 
 /// The page of a target (path and query) of a GET or HEAD request.
