@@ -211,6 +211,17 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
     return std::move(body.error());
   }
   auto outcome = call("environment.step", *body, options_.stepTimeout);
+  if (!outcome && isMinimal_ && outcome.error().kind == LinkFailure::Kind::Refused) {
+    // who was silent and answers now was only slow to start: it can be described and opened after all
+    introducedGeneration_ = 0;
+    openedGeneration_ = 0;
+    if (auto error = makeReady(queries.step)) {
+      return error;
+    }
+    if (!isMinimal_) {
+      return this->step(queries, replies);
+    }
+  }
   if (!outcome) {
     return errorOf(outcome.error(), during);
   }

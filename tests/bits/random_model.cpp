@@ -1,11 +1,22 @@
 #include "tests/bits/random_model.h"
 
 #include <array>
+#include <initializer_list>
 #include <random>
 #include <string_view>
 
 namespace espalier::test {
 namespace {
+
+// The parts of a text, made from the left to the right: the operands of a sum of texts have no order, so that two
+// compilers would draw other numbers for them.
+std::string joined(std::initializer_list<std::string> parts) {
+  std::string text;
+  for (const std::string& part : parts) {
+    text += part;
+  }
+  return text;
+}
 
 constexpr std::array<std::string_view, 22> kProcesses{
     "arvo",      "attractors", "chiba",   "clover", "colonization", "crowding", "density",      "density3d",
@@ -30,7 +41,7 @@ class ModelMaker {
     made.text += chance(20) ? "ignore: +-&/F\n" : "";
     made.text += "Start: {g = " + number() + ";}\n";
     made.text += isBig ? "Axiom: S(13)\nS(n) : n > 0 --> S(n-1)[+(11)S(n-1)]\nS(n) : n <= 0 --> A(g,n)B(n)\n"
-                       : "Axiom: -(" + number() + ")A(1," + number() + ")B(" + number() + ")C\n";
+                       : joined({"Axiom: -(", number(), ")A(1,", number(), ")B(", number(), ")C\n"});
     const std::uint32_t count = 3 + below(5);
     for (std::uint32_t i = 0; i < count; ++i) {
       made.text += production(isBig);
@@ -45,7 +56,7 @@ class ModelMaker {
   std::uint32_t below(std::size_t count) { return static_cast<std::uint32_t>(random_() % count); }
   bool chance(std::uint32_t percent) { return below(100) < percent; }
 
-  std::string number() { return std::to_string(below(9)) + "." + std::to_string(100 + below(900)); }
+  std::string number() { return joined({std::to_string(below(9)), ".", std::to_string(100 + below(900))}); }
 
   /// An expression whose values are finite for finite values of the names.
   std::string expression(std::string_view names, int depth) {
@@ -99,7 +110,7 @@ class ModelMaker {
   }
 
   std::string condition(std::string_view names) {
-    return expression(names, 1) + (chance(50) ? " > " : " < ") + expression(names, 1);
+    return joined({expression(names, 1), chance(50) ? " > " : " < ", expression(names, 1)});
   }
 
   std::string production(bool isBig) {
@@ -121,12 +132,12 @@ class ModelMaker {
     text += " --> ";
 
     // successor
-    text += chance(70) ? std::string(1, "+-&^/\\"[below(6)]) + "(" + expression(names, 2) + ")" : "";
+    text += chance(70) ? joined({std::string(1, "+-&^/\\"[below(6)]), "(", expression(names, 2), ")"}) : "";
     text += "F(" + expression(names, 1) + ")";
-    text += chance(30) && !isBig ? "[+(" + expression(names, 1) + ")B(" + expression(names, 2) + ")]" : "";
+    text += chance(30) && !isBig ? joined({"[+(", expression(names, 1), ")B(", expression(names, 2), ")]"}) : "";
     switch (below(4)) {
       case 0:
-        text += "A(" + expression(names, 3) + "," + expression(names, 2) + ")";
+        text += joined({"A(", expression(names, 3), ",", expression(names, 2), ")"});
         break;
       case 1:
         text += "B(" + expression(names, 3) + ")";

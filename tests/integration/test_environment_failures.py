@@ -87,6 +87,11 @@ class Failures(unittest.TestCase):
             with self.subTest(does):
                 self.goes_wrong_and_on(stdio(python(self.script(does))), words, f"{does}.py")
 
+    def test_a_program_that_starts_slowly_is_opened_when_it_answers(self) -> None:
+        # longer than hello and describe are waited for: on a busy machine Python alone may need that
+        slowly = ["sh", "-c", 'sleep 5; exec "$@"', "slowly", *python(self.script("throw"))]
+        self.assertEqual(espalier("derive", str(self.folder / "model.l"), "--environment", stdio(slowly)).stdout.strip(), GROWN)
+
     def test_a_program_that_is_dialled(self) -> None:
         for does, words in self.scripts().items():
             if does == "die":

@@ -103,6 +103,106 @@ class Chapter(unittest.TestCase):
         self.assertGreater(report.hit_rate, 3 * report.hit_rate_of_all)
 
 
+    def test_measured_trees_are_likeliest_near_the_set_that_made_them(self) -> None:
+        module = script("measured")
+        found = module.compared()
+        self.assertEqual((found.names, found.measures), (["branch", "length"], ["axes", "trunk", "internode"]))
+        self.assertEqual((found.parameters.shape, set(found.replicates)), ((81, 2), {60}))
+        true = NUMPY.array([module.TRUE[name] for name in found.names])
+        nearest = int(abs(NUMPY.log(found.parameters / true)).sum(axis=1).argmin())
+        likelihood = found.log_likelihood
+        self.assertLess(likelihood[found.best] - likelihood[nearest], 8)
+        self.assertLess((likelihood >= likelihood[nearest]).mean(), 0.15)
+        self.assertTrue((found.low[found.best] < found.measured_mean * 1.25).all())
+
+    def test_a_response_surface_has_its_parameters_as_axes(self) -> None:
+        eta, share, tips = script("sensitivity").response()
+        self.assertEqual((eta[0], eta[-1], share[0], share[-1]), (0.8, 0.95, 0.5, 0.8))
+        with espalier.Model(GALLERY / "borchert-honda", parameters=["ETA", "LAMBDA"], measures={"tips": {"count": "A"}},
+                            steps=120, program=program()) as model:
+            self.assertEqual(tips[5, 7], model([eta[5], share[7]]))
+
+
+@unittest.skipIf(NUMPY is None, "NumPy is not installed")
+class Measured(unittest.TestCase):
+    def setUp(self) -> None:
+        self.folder = Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def file(self, name: str, text: str) -> Path:
+        (self.folder / name).write_text(text, encoding="utf-8")
+        return self.folder / name
+
+    def test_a_comparison_is_that_of_the_formulas(self) -> None:
+        # 2 sets of 3 replicates; the measured values are 4 and 7
+        columns = {"run": range(1, 8), "seed": [1] * 7, "p": [1, 2, 1, 2, 1, 2, 2], "x": [3, 10, 5, 10, 10, 10, 99]}
+        results = espalier.sweep.Results({name: NUMPY.array(values, dtype=float) for name, values in columns.items()},
+                                         [""] * 6 + ["failed"], ["p"], ["x"])
+        found = espalier.measured.compare(results, {"x": NUMPY.array([4.0, math.nan, 7.0]), "tree": 0})
+        self.assertEqual((found.parameters.tolist(), found.replicates.tolist()), ([[1], [2]], [3, 3]))
+        self.assertEqual((found.mean[0, 0], found.measured_mean[0]), (6, 5.5))
+        # deviations -3, -1, 4: s^2 = 13; t of 2 degrees of freedom at 0.975 is 4.302653
+        s = math.sqrt(13)
+        self.assertAlmostEqual(found.high[0, 0] - 6, 4.302652729911275 * s / math.sqrt(3), places=6)
+        self.assertAlmostEqual(6 - found.low[0, 0], 4.302652729911275 * s / math.sqrt(3), places=6)
+        self.assertAlmostEqual(found.rmse[0, 0], math.sqrt((4 + 1) / 2), places=12)
+        normal = sum(-0.5 * (y - 6) ** 2 / 13 - math.log(s) - 0.5 * math.log(2 * math.pi) for y in (4, 7))
+        self.assertAlmostEqual(found.log_likelihood[0], normal, places=12)
+        # no spread: impossible, unless the measuring has an error
+        self.assertEqual((found.log_likelihood[1], found.best), (-math.inf, 0))
+        loose = espalier.measured.compare(results, {"x": [4.0, 7.0]}, error={"x": 2.0})
+        self.assertAlmostEqual(loose.log_likelihood[1],
+                               sum(-0.5 * ((y - 10) / 2) ** 2 - math.log(2 * math.sqrt(2 * math.pi)) for y in (4, 7)), places=12)
+
+    def test_an_mtg_file_has_the_measures_of_the_plant_that_wrote_it(self) -> None:
+        measures = {name: {"mtg": name, "of": "I"} for name in
+                    ("vertices", "axes", "tips", "verticesPerAxis", "maximumOrder", "depth", "strahler")}
+        measures.update({"first": {"mtg": "tips", "of": "I", "order": 1}, "n": {"count": "I"}})
+        plan = self.file("plan.json", json.dumps({
+            "model": str(CHAPTER / "tree.l"), "measures": measures, "runs": {"rows": [{"seed": 3}, {"seed": 4}]},
+            "files": [{"name": "tree.mtg", "every": 1}]}))
+        espalier.sweep.run(plan, self.folder / "r.sqlite", program=program())
+        simulated = espalier.sweep.results(self.folder / "r.sqlite", program=program())
+        files = sorted((self.folder / "r.files").iterdir())
+        self.assertEqual(len(files), 2)
+        found = espalier.measured.mtg(files, {**measures, "height": {"plant": "height"}})
+        self.assertEqual(sorted(found), sorted(measures))
+        for name in measures:
+            self.assertEqual(found[name].tolist(), simulated[name].tolist(), name)
+        self.assertGreater(found["strahler"][0], 1)
+
+    def test_an_mtg_file_of_another_program(self) -> None:
+        # two plants; columns to the right are daughters, `^` continues, several entities on one line
+        file = self.file("t.mtg", "CODE:\tFORM-A\n\nCLASSES:\nSYMBOL\tSCALE\tDECOMPOSITION\tINDEXATION\tDEFINITION\n$\t0\tFREE\t"
+                         "FREE\tIMPLICIT\nP\t1\tFREE\tFREE\tEXPLICIT\nU\t2\tFREE\tFREE\tEXPLICIT\nL\t2\tFREE\tFREE\tEXPLICIT\n\n"
+                         "DESCRIPTION:\nLEFT\tRIGHT\tRELTYPE\tMAX\nU\tU\t+\t?\n\nFEATURES:\nNAME\tTYPE\nlength\tREAL\n\nMTG:\n"
+                         "ENTITY-CODE\t\t\tlength\n/P1/U1<U2\t\t\t1\n\t+U3<U4\t\t2\n\t+L1\t\t3\n^<U5\t\t\t4\n/P2/U1\t\t\t5\n")
+        found = espalier.measured.mtg(file, {"u": {"count": "U"}, "axes": {"mtg": "axes", "of": "U"}, "all": {"mtg": "vertices"},
+                                             "depth": {"mtg": "depth", "of": "U"}})
+        self.assertEqual({name: values[0] for name, values in found.items()}, {"u": 6, "axes": 3, "all": 7, "depth": 4})
+
+    def test_tables_of_spreadsheets(self) -> None:
+        for text in ("tree,axes,l\nA,3,1.5\nB,,2\n", "\ufefftree;axes;l\r\nA;3;1,5\r\nB;;2\r\n", "tree\taxes\tl\nA\t3\t1.5\n\nB\t\t2\n"):
+            found = espalier.measured.table(self.file("m.csv", text))
+            self.assertEqual(list(found), ["axes", "l"])
+            self.assertEqual((found["axes"][0], math.isnan(found["axes"][1]), found["l"].tolist()), (3, True, [1.5, 2]))
+
+    def test_mistakes(self) -> None:
+        results = espalier.sweep.Results({"run": NUMPY.array([1]), "seed": NUMPY.array([1]), "axes": NUMPY.array([3.0])}, [""],
+                                         [], ["axes"])
+        for call, message in ((lambda: espalier.measured.compare(results, {"axs": [1.0]}), "No measured column has the name"),
+                              (lambda: espalier.measured.compare(results, {"axes": [1.0]}, measures=["axs"]), "Did you mean 'axes'"),
+                              (lambda: espalier.measured.compare(results, {"axes": [math.nan]}), "has no number"),
+                              (lambda: espalier.measured.compare(results, {"axes": [1.0]}, error={"x": 1.0}), "no measure 'x'"),
+                              (lambda: espalier.measured.table(self.file("m.csv", "axes\n")), "has no measured plant"),
+                              (lambda: espalier.measured.table(self.file("m.csv", "a,b\n1\n")), "row 2 has 1 cells"),
+                              (lambda: espalier.measured.mtg(self.file("m.mtg", "a,b\n"), {"n": {"count": "F"}}), "is no MTG file"),
+                              (lambda: espalier.measured.mtg([], {"n": {"mtg": "axis"}}), "Did you mean 'axes'"),
+                              (lambda: espalier.measured.mtg([], {"n": {"plant": "height"}}), "No measure is")):
+            with self.assertRaisesRegex(ValueError, message):
+                call()
+
+
 @unittest.skipIf(NUMPY is None, "NumPy is not installed")
 class ModelAsFunction(unittest.TestCase):
     MEASURES = {"trunk": {"sum": "l", "of": "I(o,l)", "where": "o == 0"}, "n": {"count": "I"}}

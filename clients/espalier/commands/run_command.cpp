@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/environment_loading.h"
@@ -14,6 +15,7 @@
 #include "clients/espalier/output/contact_sheet.h"
 #include "clients/espalier/output/field_outputs.h"
 #include "clients/espalier/output/growth_outputs.h"
+#include "clients/espalier/output/movies.h"
 #include "clients/espalier/output/outputs.h"
 #include "clients/espalier/output/paraview_series.h"
 #include "clients/espalier/output/plant_rows.h"
@@ -36,6 +38,8 @@ struct RunOptions {
   std::string resumed;         // snapshot to continue from; empty: none
   std::uint64_t variants = 0;  // plants, each with its own seed; 0: one plant with the seed of the run
   bool writesEveryStep = false;
+  std::vector<std::string> movies;  // files of all steps, or of a turn
+  unsigned framesPerSecond = 12;
   bool runsAll = false;                // the models of a file, into one contact sheet
   std::optional<bool> hasSharedFrame;  // all frames have one scale; nothing: unless the environment is a process
   std::optional<double> rowSpacing;    // distance of the variants in one file; 0: so that they do not touch
@@ -63,7 +67,7 @@ bool isOtherProcess(const std::string& environment) {
 bool sharesFrame(const RunOptions& options, const ModelOptions& model) {
   const auto isPicture = [&](const std::string& file) { return isPictureFile(options.outputs, file); };
   if (!options.writesEveryStep || options.outputs.picture.framing != turtle::PictureFraming::Fitted ||
-      std::ranges::none_of(options.outputs.files, isPicture)) {
+      (options.movies.empty() && std::ranges::none_of(options.outputs.files, isPicture))) {
     return false;
   }
   if (!options.hasSharedFrame && isOtherProcess(model.environment)) {
@@ -90,6 +94,17 @@ void explainNothingToDo(const simulation::Simulation& simulation, std::optional<
   printNote(sentence);
 }
 
+// the files that may become a series for ParaView
+std::vector<std::string> seriesFiles(const RunOptions& options) {
+  std::vector<std::string> files;
+  std::ranges::copy_if(options.outputs.files, std::back_inserter(files), [&](const std::string& file) {
+    const turtle::ExportFormat* const format = formatOf(options.outputs, file);
+    return format != nullptr && format->suffix == ".vtp";
+  });
+  std::ranges::copy(options.fields.files(), std::back_inserter(files));
+  return files;
+}
+
 // makes all steps up to `last` or the end of the model; the bar appears on a terminal only
 bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> last, RunOptions& options,
               const OutputWriter& writer, const TimeLimit& time) {
@@ -97,12 +112,17 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
   options.trace.begin(simulation);
   std::optional<GrowthOutputs> growth;
   std::vector<std::uint64_t> steps;
+  Movies movies;
+  if (options.writesEveryStep && !movies.begin(options.movies, options.framesPerSecond)) {
+    return false;
+  }
   const auto writeStep = [&] {
     const std::uint64_t step = simulation.completedSteps();
     steps.push_back(step);
     return options.fields.addStep(simulation, options.writesEveryStep ? std::optional(step) : std::nullopt,
                                   options.model.isQuiet) &&
-           (!options.writesEveryStep || (writer.write(simulation, step) && growth->addFrame(simulation)));
+           (!options.writesEveryStep ||
+            (writer.write(simulation, step) && growth->addFrame(simulation) && movies.add(simulation, writer)));
   };
   if (options.writesEveryStep) {
     growth.emplace(options.outputs, simulation.completedSteps(), last.value_or(simulation.derivationLength()));
@@ -126,18 +146,43 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
     bar.show(simulation.completedSteps(), last.value_or(simulation.derivationLength()),
              simulation.statistics().modules);
   }
-  if (options.writesEveryStep) {
-    std::vector<std::string> files;
-    std::ranges::copy_if(options.outputs.files, std::back_inserter(files), [&](const std::string& file) {
-      const turtle::ExportFormat* const format = formatOf(options.outputs, file);
-      return format != nullptr && format->suffix == ".vtp";
-    });
-    std::ranges::copy(options.fields.files(), std::back_inserter(files));
-    if (!writeParaviewSeries(files, steps, options.model.isQuiet)) {
+  if (options.writesEveryStep && !writeParaviewSeries(seriesFiles(options), steps, options.model.isQuiet)) {
+    return false;
+  }
+  return !growth || (growth->finish(options.model.isQuiet) && movies.finish(options.model.isQuiet));
+}
+
+// the pictures of one turn of the plant, all in one scale
+bool writeTurn(const simulation::Simulation& simulation, const RunOptions& options, OutputOptions outputs) {
+  const auto drawn = simulation.scene();
+  if (const auto* failure = std::get_if<core::SimulationError>(&drawn)) {
+    printError(formatSimulationError(*failure));
+    return false;
+  }
+  const auto turnOf = [&](std::uint64_t frame) {
+    return 360.0 * static_cast<double>(frame) / static_cast<double>(outputs.turntable);
+  };
+  turtle::PictureFrame all;
+  for (std::uint64_t frame = 0; frame < outputs.turntable; ++frame) {
+    outputs.render.turn = turnOf(frame);
+    const files::ViewSettings view = viewToRender(simulation.view(), outputs.render);
+    const turtle::ExportInput input{.scene = std::get<turtle::Scene>(drawn), .view = view};
+    const turtle::ScenePlacement here;
+    all.include(turtle::pictureFrame({{&input, 1}, {&here, 1}}, outputs.picture));
+  }
+  outputs.picture.frame = all;
+  const OutputWriter writer(outputs, options.model.isQuiet);
+  Movies movies;
+  if (!movies.begin(options.movies, options.framesPerSecond)) {
+    return false;
+  }
+  for (std::uint64_t frame = 0; frame < outputs.turntable; ++frame) {
+    outputs.render.turn = turnOf(frame);
+    if (!writer.write(simulation, frame) || !movies.add(simulation, writer)) {
       return false;
     }
   }
-  return !growth || growth->finish(options.model.isQuiet);
+  return movies.finish(options.model.isQuiet);
 }
 
 // the simulation of a loaded model, at no step yet
@@ -175,7 +220,9 @@ std::optional<turtle::PictureFrame> frameOfAll(const RunOptions& options, ModelO
       failure = *problem;
       break;
     }
-    const turtle::ExportInput input{.scene = std::get<turtle::Scene>(scene), .view = simulation->view()};
+    const files::ViewSettings view =
+        options.outputs.render.isOn ? viewToRender(simulation->view(), options.outputs.render) : simulation->view();
+    const turtle::ExportInput input{.scene = std::get<turtle::Scene>(scene), .view = view};
     const turtle::ScenePlacement here;
     frame.include(turtle::pictureFrame({{&input, 1}, {&here, 1}}, options.outputs.picture));
     if (server::isOver(*simulation, last)) {
@@ -271,6 +318,9 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   if (rows != nullptr) {
     return rows->add(simulation) ? kSuccess : kFailure;
   }
+  if (separate.turntable > 0) {
+    return writeTurn(simulation, options, separate) ? kSuccess : kFailure;
+  }
   return options.writesEveryStep || writer.write(simulation, variant, 3) ? kSuccess : kFailure;
 }
 
@@ -300,9 +350,28 @@ int runAll(RunOptions& options) {
   return sheet.write(options.model.isQuiet) ? status : kFailure;
 }
 
+// takes movies out of the files: they are made picture by picture
+int takeMovies(RunOptions& options) {
+  std::vector<std::string>& files = options.outputs.files;
+  const auto first = std::stable_partition(files.begin(), files.end(), [&](const std::string& file) {
+    return !options.outputs.format.empty() || !isMovieFile(file);
+  });
+  options.movies.assign(first, files.end());
+  files.erase(first, files.end());
+  if (!options.movies.empty() && !options.writesEveryStep && options.outputs.turntable == 0) {
+    printError("'" + options.movies.front() +
+               "' is a movie: give --every for the growth of the plant, or --turntable N for one turn in N pictures");
+    return kUsage;
+  }
+  return kSuccess;
+}
+
 int run(RunOptions& options) {
   if (options.runsAll) {
     return runAll(options);
+  }
+  if (const int status = takeMovies(options); status != kSuccess) {
+    return status;
   }
   const bool isInRows = options.rowSpacing.has_value();
   if (const int status = isInRows ? checkPlacedOutputs(options.outputs) : checkOutputs(options.outputs);
@@ -338,7 +407,10 @@ void addRun(CLI::App& program, int& status) {
       "Examples:\n"
       "  espalier run lilac -o lilac.png --size 1920x1080\n"
       "  espalier run tree.l -o tree.glb -o tree.png -o tree.mtg\n"
+      "  espalier run tree.l --render -o tree.png --size 1200x1200 --sun 35,-60   in the light of sun and sky\n"
       "  espalier run tree.l --every -o frame.png            frame-0000.png, frame-0001.png, ...\n"
+      "  espalier run tree.l --every -o growth.mp4           a movie, by ffmpeg; also .webm and .gif\n"
+      "  espalier run tree.l --turntable 48 --render -o turn.gif\n"
       "  espalier run forest.json -o stand.png               several plants, of several models, in one environment\n"
       "  espalier run curves.l --all -o sheet.png            a contact sheet of the models in a file\n"
       "  espalier run bush.l --variants 20 -o bush-%02d.glb --detail 0.5\n"
@@ -359,6 +431,15 @@ void addRun(CLI::App& program, int& status) {
       "--every", options->writesEveryStep,
       "Write every step, from 0. The number of the step replaces %d or %04d in the file name, or stands before the\n"
       "suffix. A .usda file without %d holds the growth animation of all steps");
+  addWholeNumber(*command, "--turntable",
+                 "Write N pictures of one turn of the plant at its last step, numbered from 0. With -o FILE.mp4, .webm "
+                 "or .gif,\nor with --every, the pictures become a movie; the program ffmpeg makes it",
+                 2, 10'000, [options](std::uint64_t count) { options->outputs.turntable = count; })
+      ->type_name("N")
+      ->excludes(every);
+  addWholeNumber(*command, "--frame-rate", "Pictures a second of a movie (12)", 1, 120, [options](std::uint64_t count) {
+    options->framesPerSecond = static_cast<unsigned>(count);
+  })->type_name("N");
   command
       ->add_option_function<std::string>(
           "--frames", [options](const std::string& name) { options->hasSharedFrame = name == "shared"; },

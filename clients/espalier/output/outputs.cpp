@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -14,6 +15,7 @@
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/drawing_order.h"
 #include "clients/espalier/output/progress_bar.h"
+#include "engine/core/streams.h"
 #include "engine/turtle/export/picture/png.h"
 #include "server/remote/disk_files.h"
 
@@ -116,7 +118,64 @@ bool writeFile(const std::string& file, bool isQuiet,
   return true;
 }
 
+// two numbers with a comma between them
+std::string readSun(const std::string& text, RenderOptions& render) {
+  const std::size_t comma = text.find(',');
+  const auto number = [&](std::string_view digits, double& value) {
+    const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return problem == std::errc() && end == digits.data() + digits.size() && std::abs(value) <= 360.0;
+  };
+  const std::string_view all = text;
+  const bool isGood = comma != std::string::npos && number(all.substr(0, comma), render.sunElevation) &&
+                      number(all.substr(comma + 1), render.sunAzimuth) && render.sunElevation >= 5.0 &&
+                      render.sunElevation <= 90.0;
+  return isGood ? std::string{}
+                : "'" + text +
+                      "' is not a place of the sun: give ELEVATION,AZIMUTH in degrees, the elevation from 5 to 90, as "
+                      "58,-35";
+}
+
+void addRenderOptions(CLI::App& command, OutputOptions& options) {
+  const auto turnOn = [&options] {
+    options.render.isOn = true;
+    options.picture.draw = [&render = options.render](
+                               const turtle::PlacedScenes& placed, const turtle::PictureOptions& picture,
+                               turtle::PictureImage& image, const turtle::ExportProgress& progress) {
+      return renderInDaylight(placed, picture, render, image, progress);
+    };
+  };
+  CLI::Option* render =
+      command.add_flag_callback("--render", turnOn,
+                                "Draw a PNG in the light of sun and sky: soft shadows, light through leaves. It takes "
+                                "seconds to minutes");
+  addWholeNumber(command, "--samples", "With --render: samples of a pixel, at most (512); fewer are faster and grainy",
+                 1, 65'536, [&options](std::uint64_t count) { options.render.samples = static_cast<int>(count); })
+      ->type_name("N")
+      ->needs(render);
+  command
+      .add_option_function<std::string>(
+          "--sun",
+          [&options](const std::string& text) {
+            if (const std::string problem = readSun(text, options.render); !problem.empty()) {
+              throw CLI::ValidationError("--sun", problem);
+            }
+          },
+          "With --render: place of the sun in degrees above the horizon, and to the right of the viewer (58,-35)")
+      ->type_name("ELEVATION,AZIMUTH")
+      ->needs(render);
+  command
+      .add_option("--view-height", options.render.height,
+                  "With --render: the viewer stands this many degrees above the horizon (the view file's, at least 8)")
+      ->type_name("DEGREES")
+      ->check(CLI::Range(-89.0, 89.0))
+      ->needs(render);
+}
+
 }  // namespace
+
+bool movesViewer(const OutputOptions& options) {
+  return options.render.isOn || options.turntable > 0;
+}
 
 const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file) {
   return options.format.empty() ? turtle::findExportFormatOfFile(file) : turtle::findExportFormat(options.format);
@@ -167,6 +226,7 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
   addWholeNumber(command, "--colours", "Largest number of colours in a PNG, for a small file", 2, 256,
                  [&options](std::uint64_t count) { options.picture.maximumColours = static_cast<int>(count); })
       ->type_name("N");
+  addRenderOptions(command, options);
   command.add_flag(
       "--instancing", options.usesInstancing,
       "In a .glb write equal organs, and equal plants of a forest, as one node (EXT_mesh_gpu_instancing). The\n"
@@ -245,31 +305,79 @@ struct OutputWriter::Drawn {
   files::Palette palette;
 };
 
+std::optional<OutputWriter::Drawn> OutputWriter::drawn(const simulation::Simulation& simulation) const {
+  auto scene = simulation.scene();
+  if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
+    printError(formatSimulationError(*failure));
+    return std::nullopt;
+  }
+  Drawn drawn{.scene = std::move(std::get<turtle::Scene>(scene)), .palette = simulation.options().palette};
+  if (options_.isColouredByOrder) {
+    drawn.palette = colourByDrawingOrder(drawn.scene);
+  }
+  return drawn;
+}
+
 bool OutputWriter::write(const simulation::Simulation& simulation, std::optional<std::uint64_t> number,
                          int digits) const {
-  Drawn drawn{.scene = {}, .palette = simulation.options().palette};
   bool needsScene = false;
   for (const std::string& file : options_.files) {
     const turtle::ExportFormat* const format = formatOf(options_, file);
     needsScene = needsScene || (format != nullptr && format->source == turtle::ExportSource::Scene);
   }
-  if (needsScene) {
-    auto scene = simulation.scene();
-    if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
-      printError(formatSimulationError(*failure));
-      return false;
-    }
-    drawn.scene = std::move(std::get<turtle::Scene>(scene));
-    if (options_.isColouredByOrder) {
-      drawn.palette = colourByDrawingOrder(drawn.scene);
-    }
+  std::optional<Drawn> all =
+      needsScene ? drawn(simulation) : Drawn{.scene = {}, .palette = simulation.options().palette};
+  return all && std::ranges::all_of(options_.files, [&](const std::string& file) {
+           return writeOne(simulation, *all, number ? numberedName(file, *number, digits) : file, file);
+         });
+}
+
+std::optional<std::string> OutputWriter::picture(const simulation::Simulation& simulation) const {
+  const std::optional<Drawn> all = drawn(simulation);
+  if (!all) {
+    return std::nullopt;
   }
-  for (const std::string& file : options_.files) {
-    if (!writeOne(simulation, drawn, number ? numberedName(file, *number, digits) : file, file)) {
-      return false;
-    }
+  core::StringSink sink;
+  const turtle::ExportTarget target{.fileName = "picture.png", .sink = sink, .openCompanion = {}, .progress = {}};
+  if (const auto problem = exportTo(simulation, *all, *turtle::findExportFormat("png"), target)) {
+    printError("cannot draw step " + std::to_string(simulation.completedSteps()) + ": " + *problem);
+    return std::nullopt;
   }
-  return true;
+  return sink.take();
+}
+
+std::optional<std::string> OutputWriter::exportTo(const simulation::Simulation& simulation, const Drawn& drawn,
+                                                  const turtle::ExportFormat& format,
+                                                  const turtle::ExportTarget& target) const {
+  std::vector<const derivation::ModuleString*> strings;
+  std::vector<const language::Program*> programs;
+  for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
+    strings.push_back(&simulation.string(plant));
+    programs.push_back(&simulation.program(plant));
+  }
+  const auto visitModules = [&simulation](const turtle::ModuleVisitor& visit) -> std::optional<std::string> {
+    if (const auto failure = simulation.visitModules(visit)) {
+      return formatSimulationError(*failure);
+    }
+    return std::nullopt;
+  };
+  std::optional<files::ViewSettings> moved;
+  if (movesViewer(options_) && format.name == "png") {
+    moved = viewToRender(simulation.view(), options_.render);
+  }
+  const turtle::ExportInput input{.scene = drawn.scene,
+                                  .view = moved ? *moved : simulation.view(),
+                                  .palette = &drawn.palette,
+                                  .detail = options_.detail,
+                                  .threads = options_.picture.threads,
+                                  .usesInstancing = options_.usesInstancing,
+                                  .picture = &options_.picture,
+                                  .step = simulation.completedSteps(),
+                                  .program = &simulation.program(),
+                                  .programs = programs,
+                                  .strings = strings,
+                                  .visitModules = visitModules};
+  return format.write(input, target);
 }
 
 bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Drawn& drawn, const std::string& file,
@@ -279,31 +387,7 @@ bool OutputWriter::writeOne(const simulation::Simulation& simulation, const Draw
       simulation.save(target.sink);
       return std::nullopt;
     }
-    std::vector<const derivation::ModuleString*> strings;
-    std::vector<const language::Program*> programs;
-    for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
-      strings.push_back(&simulation.string(plant));
-      programs.push_back(&simulation.program(plant));
-    }
-    const auto visitModules = [&simulation](const turtle::ModuleVisitor& visit) -> std::optional<std::string> {
-      if (const auto failure = simulation.visitModules(visit)) {
-        return formatSimulationError(*failure);
-      }
-      return std::nullopt;
-    };
-    const turtle::ExportInput input{.scene = drawn.scene,
-                                    .view = simulation.view(),
-                                    .palette = &drawn.palette,
-                                    .detail = options_.detail,
-                                    .threads = options_.picture.threads,
-                                    .usesInstancing = options_.usesInstancing,
-                                    .picture = &options_.picture,
-                                    .step = simulation.completedSteps(),
-                                    .program = &simulation.program(),
-                                    .programs = programs,
-                                    .strings = strings,
-                                    .visitModules = visitModules};
-    return formatOf(options_, formatFrom)->write(input, target);
+    return exportTo(simulation, drawn, *formatOf(options_, formatFrom), target);
   };
   return writeFile(file, isQuiet_, write,
                    "step " + std::to_string(simulation.completedSteps()) + ", " +

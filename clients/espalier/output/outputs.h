@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "clients/espalier/rendering/render.h"
 #include "engine/files/colour_files.h"
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/export/exporters.h"
@@ -25,9 +26,12 @@ struct OutputOptions {
   bool isColouredByOrder = false;  // lines in the colours of the order in which they are drawn
   bool usesInstancing = false;     // glb: copies of a scene are one node
   turtle::PictureOptions picture;
+  RenderOptions render;         // of PNG files; the camera of the others does not change
+  std::uint64_t turntable = 0;  // pictures of one turn of the plant; 0: it stands still
 };
 
-/// Adds -o, --format and the options for pictures and meshes: --size, --background, --framing, --colours, --detail.
+/// Adds -o, --format and the options for pictures and meshes: --size, --background, --framing, --colours, --render and
+/// its options, --detail. `options` must outlive the runs.
 /// `arePlaced`: the files hold several plants, so only formats that can are listed.
 void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRequired, bool arePlaced = false);
 
@@ -48,6 +52,9 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
 [[nodiscard]] bool writePicture(const OutputOptions& options, const turtle::PictureImage& picture,
                                 const std::string& file, const std::string& what, bool isQuiet);
 
+/// Whether pictures are seen by viewToRender().
+[[nodiscard]] bool movesViewer(const OutputOptions& options);
+
 /// The format of a file by --format or its suffix; null: a snapshot, or none of that name.
 [[nodiscard]] const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file);
 
@@ -63,11 +70,18 @@ class OutputWriter {
 
   [[nodiscard]] bool write(const simulation::Simulation& simulation, std::optional<std::uint64_t> number = std::nullopt,
                            int digits = 4) const;
+  /// The bytes of a PNG file of the present state. Prints an error and returns nothing when it cannot be drawn.
+  [[nodiscard]] std::optional<std::string> picture(const simulation::Simulation& simulation) const;
 
  private:
   struct Drawn;
+  [[nodiscard]] std::optional<Drawn> drawn(const simulation::Simulation& simulation) const;
   [[nodiscard]] bool writeOne(const simulation::Simulation& simulation, const Drawn& drawn, const std::string& file,
                               const std::string& formatFrom) const;
+  /// Returns an error sentence, or nothing on success.
+  [[nodiscard]] std::optional<std::string> exportTo(const simulation::Simulation& simulation, const Drawn& drawn,
+                                                    const turtle::ExportFormat& format,
+                                                    const turtle::ExportTarget& target) const;
 
   const OutputOptions& options_;
   bool isQuiet_;

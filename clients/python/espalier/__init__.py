@@ -1,6 +1,6 @@
 """Espalier from Python: environments that plants grow against, and a client of the server. Standard library only."""
 
-from . import sweep
+from . import measured, sweep
 from .asynchronous import AsyncClient, AsyncSimulation, AsyncStream
 from .breeding import BredPlant, serve_fitness
 from .client import Client, Simulation, Stream
@@ -19,5 +19,5 @@ __all__ = [
     "Answer", "AsyncClient", "AsyncSimulation", "AsyncStream", "BredPlant", "Client", "Columns", "CompiledModel",
     "ConnectionLost", "Environment", "EspalierError", "Following", "Frame", "Geometry", "Local", "Model", "Opening",
     "ProtocolError", "Query", "Server", "ServerError", "ServerFailed", "Simulation", "StepResult", "Stream", "TurtleRecord",
-    "Variable", "View", "__version__", "local", "serve_fitness", "sweep",
+    "Variable", "View", "__version__", "local", "measured", "serve_fitness", "sweep",
 ]

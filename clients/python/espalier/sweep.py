@@ -17,7 +17,10 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import os
+import pathlib
+import sqlite3
 import subprocess
 import tempfile
 from dataclasses import dataclass
@@ -36,6 +39,8 @@ class Results:
 
     columns: Dict[str, Any]  # by name, in order: run, seed, the parameters, the measures; arrays (n)
     errors: List[str]  # of each run; empty: it reached its end
+    parameters: List[str]  # names of columns
+    measures: List[str]
 
     def __getitem__(self, name: str) -> Any:
         return self.columns[name]
@@ -72,7 +77,17 @@ def results(output: Path, *, partial: bool = False, program: Optional[str] = Non
     columns = {name: table[:, i].copy() for i, name in enumerate(names)}
     for name in ("run", "seed"):
         columns[name] = columns[name].astype("int64")
-    return Results(columns, [row[-1] for row in rows[1:]])
+    return Results(columns, [row[-1] for row in rows[1:]], *_names(output))
+
+
+def _names(output: Path) -> "tuple[List[str], List[str]]":
+    """The parameters and the measures of results that `export` has just read."""
+    connection = sqlite3.connect(pathlib.Path(output).resolve().as_uri() + "?immutable=1", uri=True)
+    try:
+        known = dict(connection.execute("SELECT name, value FROM sweep"))
+    finally:
+        connection.close()
+    return json.loads(known["parameters"]), json.loads(known["measures"])
 
 
 def dataset(output: Path, *, partial: bool = False, program: Optional[str] = None) -> Any:

@@ -51,7 +51,7 @@ async function open(address, ready = "shown") {
 
 /** Waits until the plant is derived and drawn. */
 const shown = (page) =>
-  page.waitForFunction(() => studio.simulation && studio.isFinished && document.getElementById("plant").dataset.step === String(studio.step), null, PATIENCE);
+  page.waitForFunction(() => studio.counts.waiting === 0 && studio.simulation && studio.isFinished && document.getElementById("plant").dataset.step === String(studio.step), null, PATIENCE);
 
 async function keep(page, name) {
   if (process.env.ESPALIER_PICTURES) {
@@ -106,6 +106,20 @@ test("a gallery model grows, with few draw calls and 32 bytes a segment", async 
   await page.close();
 });
 
+test("a model with textures shows them, and its colours by number without them", async () => {
+  const page = await open(`${running.address}/#gallery=textured-tree`);
+  await page.waitForFunction(() => studio.view.figures().textures === 2, null, PATIENCE);
+  await keep(page, "studio-textures");
+  await page.selectOption("#mode", "order");
+  await page.waitForFunction(() => studio.view.figures().textures === 0);
+  await page.selectOption("#mode", "model");
+  // the next state of the plant has them too
+  await page.evaluate(() => studio.act(() => studio.goTo(2)));
+  await page.waitForFunction(() => document.getElementById("plant").dataset.textured === "2");
+  assert.ok((await page.evaluate(() => studio.view.figures().textures)) > 0);
+  await page.close();
+});
+
 test("a slider that moves two hundred times has one derivation under way and ends with its newest value", async () => {
   const page = await open(`${running.address}/#gallery=parametric-tree`);
   const before = await page.evaluate(() => studio.counts.derivations);
@@ -147,6 +161,34 @@ test("a slider that moves two hundred times has one derivation under way and end
   await page.close();
 });
 
+test("a table of variations grows beside the plant, and a click takes one over", async () => {
+  const page = await open(`${running.address}/#gallery=parametric-tree`);
+  const before = await stringOf(page);
+  const simulations = () => page.evaluate(async () => (await studio.list(), studio.simulations.length));
+  const count = await simulations();
+  await page.keyboard.press("v");
+  await page.waitForFunction(() => document.querySelectorAll(".variations .picture img").length === 36);
+  await keep(page, "studio-variations");
+  assert.equal(await page.getAttribute('[data-variation="0 0"]', "title"), "R1 0.54, R2 0.36");
+  const pictures = await page.evaluate(() => new Set([...document.querySelectorAll(".variations .picture img")].map(({ src }) => src)).size);
+  assert.equal(pictures, 36);
+  assert.equal(await stringOf(page), before);
+  await page.click('[data-variation="4 5"]');
+  await page.waitForFunction(() => studio.counts.waiting === 0 && studio.isFinished && /R1 1 .*R2 0.74 /s.test(studio.document.files["parametric-tree.l"]));
+  assert.equal(await stringOf(page), await derived(page));
+
+  // seeds along both sides: 36 trees of one model
+  await page.keyboard.press("v");
+  await page.selectOption(".axis:nth-child(1) select", "");
+  await page.selectOption(".axis:nth-child(2) select", "");
+  assert.equal(await page.getAttribute('[data-variation="5 5"]', "title"), "seed 42");
+  await page.click('[data-variation="1 2"]');
+  await page.waitForFunction(() => studio.counts.waiting === 0 && studio.seed === 15 && studio.isFinished);
+  // what was given up half-way is gone from the server
+  await page.waitForFunction(async (wanted) => (await studio.list(), studio.simulations.length === wanted), count);
+  await page.close();
+});
+
 test("a model is written, broken, and mended by its hint", async () => {
   const page = await open(`${running.address}/#gallery=classic-weed`);
   await page.click("#open-gallery");
@@ -165,7 +207,8 @@ test("a model is written, broken, and mended by its hint", async () => {
   assert.equal(await mark.textContent(), "sise");
   assert.match(await page.textContent("#problems"), /model\.l:4:15.*did you mean 'size'\?/s);
   await keep(page, "studio-problem");
-  await write(LINES.join("\n").replace("sise", "size"));
+  // the hint mends it
+  await page.click("#problems .remedy");
   await page.waitForFunction(() => studio.document.files["model.l"].includes("F(size)"));
   const wanted = await derived(page);
   await page.waitForFunction(async (text) => studio.diagnostics.length === 0 && (await studio.simulation.string()) === text, wanted);
@@ -173,6 +216,60 @@ test("a model is written, broken, and mended by its hint", async () => {
   await write(LINES.join("\n").replace("sise", "size").replace("A(1)", "A("));
   await page.waitForFunction(() => studio.diagnostics.some(({ severity, range }) => severity === "error" && range.begin.line === 3));
   await page.waitForSelector(".cm-lintRange-error");
+  await page.close();
+});
+
+test("the language server completes, explains, finds the definition and renames in all files of the model", async () => {
+  const page = await open(running.address);
+  await page.evaluate(() => studio.openDocument({
+    title: "helped", main: "model.l", binary: {}, environment: null, gallery: null,
+    files: {
+      "angles.h": "#define SPREAD 25\n",
+      "model.l": '#include "angles.h"\n#define LENGTH 1.5\nLsystem: 1\nderivation length: 2\nAxiom: A(LENGTH)\nA(size) --> F(size)[+(SPREAD)A(size*0.8)]\nendlsystem\n',
+    },
+  }));
+  await shown(page);
+  const word = (text, nth = 0) => page.evaluate(([wanted, which]) => {
+    // the place of a word on the page
+    const walker = document.createTreeWalker(document.querySelector(".cm-content"), NodeFilter.SHOW_TEXT);
+    for (let node = walker.nextNode(), left = which; node; node = walker.nextNode()) {
+      const at = node.data.indexOf(wanted);
+      if (at >= 0 && left-- === 0) {
+        const range = document.createRange();
+        range.setStart(node, at);
+        range.setEnd(node, at + wanted.length);
+        const { left: x, top: y, width, height } = range.getBoundingClientRect();
+        return { x: x + width / 2, y: y + height / 2 };
+      }
+    }
+    return null;
+  }, [text, nth]);
+  const tree = await word("SPREAD");
+  await page.mouse.move(tree.x, tree.y);
+  await page.waitForFunction(() => document.querySelector(".cm-lsp-hover-tooltip")?.textContent.includes("#define SPREAD 25"));
+  await keep(page, "studio-hover");
+
+  // a rename from the use reaches the other file
+  await page.mouse.click(tree.x, tree.y);
+  await page.keyboard.press("F2");
+  await page.fill(".cm-lsp-rename-panel input", "FORK");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => studio.document.files["angles.h"] === "#define FORK 25\n" && studio.document.files["model.l"].includes("+(FORK)A"));
+
+  const renamed = await word("FORK");
+  await page.mouse.click(renamed.x, renamed.y);
+  await page.keyboard.press("F12");
+  await page.waitForFunction(() => studio.openFile === "angles.h" && document.querySelector(".cm-content").textContent.includes("#define FORK 25"));
+
+  await page.click("text=model.l");
+  await page.waitForFunction(() => document.querySelector(".cm-content").textContent.includes("LENGTH"));
+  const length = await word("LENGTH", 1);
+  await page.mouse.dblclick(length.x, length.y);
+  await page.keyboard.type("LEN");
+  await page.waitForSelector(".cm-tooltip-autocomplete");
+  await keep(page, "studio-completion");
+  await page.keyboard.press("Tab");
+  await page.waitForFunction(() => studio.document.files["model.l"].includes("A(LENGTH)\n"));
   await page.close();
 });
 
@@ -266,8 +363,20 @@ test("axe finds nothing serious, in light and dark, and the keyboard reaches eve
   await page.waitForFunction(() => studio.step === 0);
   await page.keyboard.press("ArrowRight");
   await page.waitForFunction(() => studio.step === 1);
-  await page.keyboard.press("?");
+  await page.keyboard.press("Home");
+  await page.waitForFunction(() => studio.step === 0);
+  // the window closes, and the keys are the page's again: Space runs the plant and opens no window
+  await page.click('[aria-label="Keyboard (?)"]');
   await page.waitForSelector("dialog[open] .keys");
+  await page.click("dialog [aria-label=Close]");
+  await page.waitForFunction(() => !document.querySelector("dialog"));
+  await page.keyboard.press(" ");
+  await page.waitForFunction(() => studio.isFinished && !studio.isRunning && studio.step === studio.length);
+  assert.equal(await page.locator("dialog").count(), 0);
+  // a slider that was moved does not keep Space
+  await page.evaluate(() => document.getElementById("scrub").focus());
+  await page.keyboard.press(" ");
+  await page.waitForFunction(() => studio.isRunning || studio.step < studio.length);
   await page.close();
 });
 

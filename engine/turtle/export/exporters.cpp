@@ -47,7 +47,12 @@ std::optional<std::string> exportPostScript(const ExportInput& input, const Expo
 std::optional<std::string> exportPng(const PlacedScenes& placed, const ExportTarget& target) {
   const ExportInput& first = placed.scenes[0];
   const PictureOptions options = first.picture != nullptr ? *first.picture : PictureOptions{};
-  return writePng(renderPlaced(placed, options, target.progress), target.sink, options.maximumColours);
+  if (!options.draw) {
+    return writePng(renderPlaced(placed, options, target.progress), target.sink, options.maximumColours);
+  }
+  PictureImage image;
+  const auto problem = options.draw(placed, options, image, target.progress);
+  return problem ? problem : writePng(image, target.sink, options.maximumColours);
 }
 
 // the entry of a format that holds copies of scenes; one for looking at also shows the view file's background scene

@@ -8,8 +8,9 @@ import type { Tab } from "./side.js";
 import { MODES, Stage, setMode } from "./stage.js";
 import { TextPane } from "./text.js";
 import { Timeline } from "./timeline.js";
+import { VariationsDialog } from "./variations.js";
 
-type Window = "gallery" | "share" | "export" | "help" | null;
+type Window = "gallery" | "share" | "export" | "help" | "variations" | null;
 
 export function setTheme(studio: Studio, isDark: boolean): void {
   document.documentElement.dataset.theme = isDark ? "dark" : "light";
@@ -45,7 +46,11 @@ export function App({ studio }: { studio: Studio }) {
   useEffect(() => {
     const pressed = (event: KeyboardEvent) => keyPressed(event, studio, setOpen);
     addEventListener("keydown", pressed);
-    return () => removeEventListener("keydown", pressed);
+    document.addEventListener("click", leaveButton, true);
+    return () => {
+      removeEventListener("keydown", pressed);
+      document.removeEventListener("click", leaveButton, true);
+    };
   }, []);
   useEffect(() => {
     document.body.dataset.state = studio.connection;
@@ -59,7 +64,7 @@ export function App({ studio }: { studio: Studio }) {
         <IconButton icon="gallery" label="Gallery (G)" text="Gallery" id="open-gallery" onClick={() => setOpen("gallery")} />
         <div class="title">{studio.isChanged && <span title="changed">●</span>} {studio.document.title}</div>
         <p id="message" role="status" class={studio.message?.isError ? "error" : ""}>{studio.message?.text ?? (studio.connection === "lost" ? "The connection to the server is lost. Trying again …" : "")}</p>
-        <IconButton icon="share" label="Link to this model (L)" text="Share" onClick={() => setOpen("share")} />
+        <IconButton icon="share" label="Share a link to this model (L)" text="Share" onClick={() => setOpen("share")} />
         <IconButton icon="save" label="Save (S)" text="Save" id="open-export" onClick={() => setOpen("export")} />
         <IconButton icon={isDark ? "sun" : "moon"} label="Dark, light (D)" onClick={() => setTheme(studio, !isDark)} />
         <IconButton icon="help" label="Keyboard (?)" onClick={() => setOpen("help")} />
@@ -72,12 +77,13 @@ export function App({ studio }: { studio: Studio }) {
           <Stage studio={studio} onPick={() => setTab("Module")} />
           <Timeline studio={studio} />
         </section>
-        <Side studio={studio} tab={tab} onTab={setTab} />
+        <Side studio={studio} tab={tab} onTab={setTab} onVariations={() => setOpen("variations")} />
       </main>
       {(studio.connection === "token" || studio.connection === "failed") && <Door studio={studio} />}
       {open === "gallery" && <GalleryDialog studio={studio} onClose={() => setOpen(null)} />}
       {open === "share" && <ShareDialog studio={studio} onClose={() => setOpen(null)} />}
       {open === "export" && <ExportDialog studio={studio} onClose={() => setOpen(null)} />}
+      {open === "variations" && <VariationsDialog studio={studio} onClose={() => setOpen(null)} />}
       {open === "help" && <HelpDialog onClose={() => setOpen(null)} />}
     </div>
   );
@@ -105,8 +111,23 @@ function Door({ studio }: { studio: Studio }) {
   );
 }
 
+/** A button that the mouse pressed gives the keyboard back to the page: Space runs the plant, and no button again. */
+function leaveButton(event: MouseEvent): void {
+  const button = (event.target as Element).closest<HTMLElement>("button, label, summary");
+  // a keyboard's click has no count
+  if (event.detail > 0 && button && !button.closest("dialog, form")) {
+    const focused = document.activeElement as HTMLElement | null;
+    if (focused?.matches("button, summary, input[type=checkbox]")) {
+      focused.blur();
+    }
+  }
+}
+
 function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window) => void): void {
   const target = event.target as HTMLElement;
+  if (event.defaultPrevented) {
+    return; // the editor has used the key: Escape closes its list
+  }
   if (event.key === "Escape" && target.closest(".cm-editor")) {
     target.blur();
     return;
@@ -135,6 +156,7 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
     3: () => studio.view?.look("top"),
     c: () => setMode(studio, modes[(modes.indexOf(studio.view!.settings.mode) + 1) % modes.length]),
     g: () => setOpen("gallery"),
+    v: () => setOpen("variations"),
     s: () => setOpen("export"),
     l: () => setOpen("share"),
     r: () => studio.setSeed(Math.floor(Math.random() * 1e6)),
@@ -145,8 +167,8 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
   };
   const action = actions[event.key] ?? actions[event.key.toLowerCase()];
   const isOfSlider = isSlider && /^(Arrow|Home|End)/.test(event.key);
-  const isOfButton = event.key === " " && target.closest("button, input");
-  const needsPlant = /^( |Arrow|Home|End|r$)/.test(event.key);
+  const isOfButton = event.key === " " && target.closest("button, summary, a, input:not([type=range])");
+  const needsPlant = /^( |Arrow|Home|End|[rv]$)/.test(event.key);
   if (action && !isOfSlider && !isOfButton && !(needsPlant && !studio.simulation)) {
     act(action);
   }

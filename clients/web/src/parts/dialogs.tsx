@@ -199,6 +199,7 @@ export const KEYS: Array<[string, string]> = [
   ["1, 2, 3", "look from the front, the right, the top"],
   ["C", "next way to colour"],
   ["G", "gallery"],
+  ["V", "table of variations"],
   ["S", "save"],
   ["L", "link to this model"],
   ["R", "another seed"],
@@ -208,6 +209,12 @@ export const KEYS: Array<[string, string]> = [
   ["Ctrl Enter", "grow the text"],
   ["Ctrl Z, Ctrl Y", "undo, redo in the text"],
   ["Ctrl F", "find in the text"],
+  ["Ctrl Space, Tab", "words that fit; take one"],
+  ["F2", "rename everywhere"],
+  ["F12, Ctrl click", "go to the definition"],
+  ["Shift F12", "all uses of a name"],
+  ["Alt Shift F", "lay the text out"],
+  ["F8", "next problem"],
   ["?", "this list"],
 ];
 

@@ -10,6 +10,7 @@ import { Annotation, EditorState } from "@codemirror/state";
 import { EditorView, drawSelection, highlightActiveLine, highlightActiveLineGutter, keymap, lineNumbers } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
 import type { Diagnostic } from "espalier";
+import type { LanguageHelp } from "./language_help.js";
 
 const STATEMENTS =
   /^(?:Lsystem|derivation length|Axiom|axiom|consider|ignore|seed|homomorphism|interpretation|decomposition|maximum depth|production|Module|Start|End|StartEach|EndEach|endlsystem|[a-z][a-z ]+)(?=\s*:)|^(?:homomorphism|decomposition|endlsystem)\b/;
@@ -109,6 +110,9 @@ export function placeOf(state: EditorState, line: number, column: number): numbe
   return found.from + Math.min(before.length, found.length);
 }
 
+/** The name that a hint offers instead of the marked one. */
+export const remedyOf = (hint: string | undefined): string | null => /did you mean '([^']+)'\?/i.exec(hint ?? "")?.[1] ?? null;
+
 export class Editor {
   private readonly view: EditorView;
   private readonly states = new Map<string, EditorState>();
@@ -120,13 +124,14 @@ export class Editor {
     parent: HTMLElement,
     private readonly onEdit: (file: string, text: string) => void,
     private readonly onBuild: () => void,
+    private readonly help: LanguageHelp,
   ) {
-    this.view = new EditorView({ parent, state: this.made("") });
+    this.view = new EditorView({ parent, state: this.made("", "") });
     // long lines are scrolled with the keyboard too
     this.view.scrollDOM.tabIndex = 0;
   }
 
-  private made(text: string): EditorState {
+  private made(file: string, text: string): EditorState {
     return EditorState.create({
       doc: text,
       extensions: [
@@ -145,6 +150,7 @@ export class Editor {
         theme,
         EditorView.contentAttributes.of({ "aria-label": "Text of the model" }),
         EditorState.tabSize.of(4),
+        file ? [this.help.keys, this.help.extension(file)] : [],
         keymap.of([
           { key: "Mod-Enter", run: () => (this.onBuild(), true) },
           ...closeBracketsKeymap,
@@ -164,19 +170,19 @@ export class Editor {
   }
 
   /** Shows a file. A text that differs from the shown one changes only in the part that differs, so that undo goes on. */
-  show(document: string, file: string, text: string): void {
+  show(document: string, file: string, text: string): EditorView {
     const key = `${document}\n${file}`;
     if (this.current !== key) {
       this.states.set(this.current, this.view.state);
       this.file = file;
       this.current = key;
       const known = this.states.get(key);
-      this.view.setState(known ?? this.made(text));
+      this.view.setState(known ?? this.made(file, text));
       this.mark(this.marks);
     }
     const shown = this.view.state.doc.toString();
     if (shown === text) {
-      return;
+      return this.view;
     }
     let begin = 0;
     while (begin < Math.min(shown.length, text.length) && shown[begin] === text[begin]) {
@@ -190,6 +196,7 @@ export class Editor {
       changes: { from: begin, to: shown.length - end, insert: text.slice(begin, text.length - end) },
       annotations: fromPage.of(true),
     });
+    return this.view;
   }
 
   /** Marks the problems of the shown file. */
@@ -204,7 +211,14 @@ export class Editor {
         // behind the end of a line there is nothing to underline: its last character stands for it
         const from = begin === line.to && begin > line.from ? begin - 1 : begin;
         const to = Math.max(placeOf(state, range!.end.line, range!.end.column), Math.min(from + 1, state.doc.length));
-        return { from, to, severity: severity === "note" ? "info" : severity, message: hint ? `${message}\n${hint}` : message };
+        const remedy = remedyOf(hint);
+        return {
+          from,
+          to,
+          severity: severity === "note" ? "info" : severity,
+          message: hint ? `${message}\n${hint}` : message,
+          ...(remedy && { actions: [{ name: `Change to '${remedy}'`, apply: (view: EditorView, at: number, end: number) => view.dispatch({ changes: { from: at, to: end, insert: remedy } }) }] }),
+        };
       });
     this.view.dispatch(setDiagnostics(state, marks));
   }
@@ -212,6 +226,13 @@ export class Editor {
   goTo(line: number, column: number): void {
     const at = placeOf(this.view.state, line, column);
     this.view.dispatch({ selection: { anchor: at }, effects: EditorView.scrollIntoView(at, { y: "center" }) });
+    this.view.focus();
+  }
+
+  /** Writes a text instead of the place from a line and column to another. */
+  replace(begin: { line: number; column: number }, end: { line: number; column: number }, text: string): void {
+    const { state } = this.view;
+    this.view.dispatch({ changes: { from: placeOf(state, begin.line, begin.column), to: placeOf(state, end.line, end.column), insert: text } });
     this.view.focus();
   }
 

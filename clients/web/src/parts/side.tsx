@@ -9,7 +9,7 @@ import { Panels } from "./panel.js";
 const TABS = ["Parameters", "Module", "Set-up", "Server"] as const;
 export type Tab = (typeof TABS)[number];
 
-export function Side({ studio, tab, onTab }: { studio: Studio; tab: Tab; onTab: (tab: Tab) => void }) {
+export function Side({ studio, tab, onTab, onVariations }: { studio: Studio; tab: Tab; onTab: (tab: Tab) => void; onVariations: () => void }) {
   return (
     <aside class="side" aria-label="Tools">
       <div class="tabs" role="tablist">
@@ -20,6 +20,9 @@ export function Side({ studio, tab, onTab }: { studio: Studio; tab: Tab; onTab: 
       <div class="content" role="tabpanel" id="side-panel" aria-labelledby={`tab-${tab}`}>
         {tab === "Parameters" && <Panels studio={studio} />}
         {tab === "Parameters" && <Parameters studio={studio} />}
+        {tab === "Parameters" && studio.isOwn && studio.simulation && (
+          <button type="button" id="open-variations" title="A table of plants over two numbers or seeds (V)" onClick={onVariations}>Variations …</button>
+        )}
         {tab === "Module" && <Module studio={studio} />}
         {tab === "Set-up" && <SetUp studio={studio} />}
         {tab === "Server" && <Server studio={studio} />}

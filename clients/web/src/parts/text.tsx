@@ -1,11 +1,13 @@
 // The left side: the files of the model, the text, the problems.
 import { useEffect, useRef, useState } from "preact/hooks";
+import type { Diagnostic } from "espalier";
 import type { Studio } from "../studio/studio.js";
 import { fileOf } from "../studio/document.js";
 import { parseCurve } from "../studio/curve.js";
-import { Editor } from "./editor.js";
+import { Editor, remedyOf } from "./editor.js";
 import { Graph } from "./graph.js";
 import { IconButton } from "./icons.js";
+import { LanguageHelp } from "./language_help.js";
 
 /** Files in the order in which a person needs them: the model, its view, the rest. */
 function ordered(studio: Studio): string[] {
@@ -20,16 +22,39 @@ export function TextPane({ studio }: { studio: Studio }) {
   const [isNaming, setNaming] = useState(false);
   const { document, openFile, diagnostics } = studio;
   useEffect(() => {
+    const help = new LanguageHelp({
+      files: () => studio.document.files,
+      edit: (file, text) => studio.edit(file, text),
+      show: (file) => {
+        studio.openFile = file;
+        studio.changed();
+        return editor.current!.show(studio.document.title, file, studio.document.files[file]);
+      },
+      send: (message) => studio.editorMessage(message),
+    });
+    studio.onConnected = () => help.connect();
     editor.current = new Editor(
       place.current!,
       (file, text) => studio.edit(file, text),
       () => void studio.act(() => studio.build(studio.isFinished ? undefined : studio.step)),
+      help,
     );
     (place.current as unknown as { editor: Editor }).editor = editor.current;
   }, []);
-  useEffect(() => editor.current?.show(document.title, openFile, document.files[openFile] ?? ""), [document, openFile]);
+  useEffect(() => void editor.current?.show(document.title, openFile, document.files[openFile] ?? ""), [document, openFile]);
   useEffect(() => editor.current?.mark(diagnostics), [diagnostics, openFile]);
   const curve = parseCurve(openFile, document.files[openFile] ?? "");
+  const fileOfProblem = (one: Diagnostic) => (one.file ?? "").split("/").pop()!;
+  // the editor shows the file of a problem first
+  const atProblem = (one: Diagnostic, act: () => void) => {
+    const name = fileOfProblem(one);
+    if (name in document.files) {
+      studio.openFile = name;
+      studio.changed();
+      editor.current?.show(document.title, name, document.files[name]);
+    }
+    act();
+  };
   const count = (severity: string) => diagnostics.filter((one) => one.severity === severity).length;
   return (
     <section class="text" aria-label="Text of the model">
@@ -60,17 +85,15 @@ export function TextPane({ studio }: { studio: Studio }) {
         <ul id="problems">
           {diagnostics.map((one, i) => (
             <li key={i} class={one.severity}>
-              <button type="button" class="link" onClick={() => {
-                const name = (one.file ?? "").split("/").pop()!;
-                if (name in document.files) {
-                  studio.openFile = name;
-                  studio.changed();
-                }
-                requestAnimationFrame(() => one.range && editor.current?.goTo(one.range.begin.line, one.range.begin.column));
-              }}>
-                <b>{one.range ? `${(one.file ?? "").split("/").pop()}:${one.range.begin.line}:${one.range.begin.column}` : one.severity}</b> {one.message}
+              <button type="button" class="link" onClick={() => atProblem(one, () => one.range && editor.current?.goTo(one.range.begin.line, one.range.begin.column))}>
+                <b>{one.range ? `${fileOfProblem(one)}:${one.range.begin.line}:${one.range.begin.column}` : one.severity}</b> {one.message}
                 {one.hint && <small>{one.hint}</small>}
               </button>
+              {one.range && remedyOf(one.hint) && fileOfProblem(one) in document.files && (
+                <button type="button" class="remedy" onClick={() => atProblem(one, () => editor.current?.replace(one.range!.begin, one.range!.end, remedyOf(one.hint)!))}>
+                  Change to '{remedyOf(one.hint)}'
+                </button>
+              )}
             </li>
           ))}
           {diagnostics.length === 0 && <li class="quiet">none</li>}

@@ -71,6 +71,9 @@ export function guessedRange(value: number): { low: number; high: number; step: 
   return { low: value < 0 ? -high : 0, high: value < 0 ? 0 : high, step };
 }
 
+/** Whether its view file names textures. */
+export const hasTextures = ({ files }: Document): boolean => Object.values(files).some((text) => /^\s*texture:/m.test(text));
+
 /** The model as the protocol takes it. */
 export function modelOf(document: Document): { files: Record<string, string>; binaryFiles: Record<string, string>; main: string } {
   return { files: document.files, binaryFiles: document.binary, main: document.main };

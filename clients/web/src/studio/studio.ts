@@ -2,8 +2,10 @@
 import { Code, ServerError, connect } from "espalier";
 import type { Client, Diagnostic, Information, Simulation, Statistics, Stream } from "espalier";
 import type { View } from "../view/scene.js";
+import type { ModelPalette } from "../view/colours.js";
 import type { Picked } from "../view/measures.js";
-import { definesOfDocument, fileOf, modelOf, newDocument, numberText } from "./document.js";
+import { freeObject, readObject } from "../view/objects.js";
+import { definesOfDocument, fileOf, hasTextures, modelOf, newDocument, numberText } from "./document.js";
 import type { Define, Document } from "./document.js";
 import { History } from "./history.js";
 import { folderPalette } from "./palette.js";
@@ -48,16 +50,19 @@ export class Studio {
   pace = 0; // least milliseconds of a step in a run
   statistics: Statistics[] = [];
   picked: (Picked & { explanation: string | null }) | null = null;
+  palette: ModelPalette | null = null;
   view: View | null = null;
+  /** Called when there is a connection, and when there is one again. */
+  onConnected: () => void = () => {};
 
-  /** For tests: how many derivations were started, and how many were under way at most. */
-  readonly counts = { derivations: 0, inFlight: 0, mostInFlight: 0 };
+  /** For tests: derivations that were started, that are under way, the most at once; changes that are not done. */
+  readonly counts = { derivations: 0, inFlight: 0, mostInFlight: 0, waiting: 0 };
 
   private client!: Client;
   private token = "";
   private readonly history = new History();
   private readonly listeners = new Set<() => void>();
-  private streams: Array<Stream<"columns"> | Stream<"statistics"> | Stream<"turtle">> = [];
+  private streams: Array<Stream<"columns"> | Stream<"statistics"> | Stream<"turtle"> | Stream<"glb">> = [];
   private work: Promise<void> = Promise.resolve(); // requests that change the simulation, one after the other
   private wanted: { values: Record<string, number>; isFinal: boolean } | null = null;
   private wantedStep: number | null = null;
@@ -154,6 +159,7 @@ export class Studio {
     const [{ entries, pictures }, { environments }] = await Promise.all([this.client.gallery(), this.client.call("environment.list", {})]);
     this.gallery = entries.map((name) => ({ name, picture: pictures[name] ?? null }));
     this.environments = environments as unknown as Studio["environments"];
+    this.onConnected();
     await this.list();
   }
 
@@ -161,7 +167,10 @@ export class Studio {
     this.connection = isConnected ? "connected" : "lost";
     if (!isConnected) {
       this.isRunning = false;
-    } else if (this.simulation && this.isOwn) {
+    } else {
+      this.onConnected();
+    }
+    if (isConnected && this.simulation && this.isOwn) {
       // a server that was started anew may not have the simulation any more
       void this.act(async () => {
         await this.list();
@@ -179,6 +188,11 @@ export class Studio {
       this.simulations = await this.client.simulations();
       this.changed();
     }
+  }
+
+  /** A message of the Language Server Protocol, and the messages that come back. */
+  async editorMessage(message: string): Promise<string[]> {
+    return (await this.client.call("editor.message", { message })).messages;
   }
 
   /** A file of the server's HTTP side. */
@@ -289,9 +303,22 @@ export class Studio {
 
   /** Work that changes the simulation waits for the work before it. */
   private inTurn(work: () => Promise<void>): Promise<void> {
-    const mine = this.work.then(work);
+    ++this.counts.waiting;
+    const mine = this.work.then(work).finally(() => --this.counts.waiting);
     this.work = mine.catch(() => {});
     return mine;
+  }
+
+  /** A simulation of the document. Its caller deletes it. */
+  create(): Promise<Simulation> {
+    const { gallery, title, environment } = this.document;
+    return this.client.create({
+      model: gallery ? { gallery } : modelOf(this.document),
+      seed: this.seed,
+      name: title,
+      save: "request",
+      ...(environment && !gallery ? { environment: environment as [] } : {}),
+    });
   }
 
   /** Makes the simulation of the document and derives it to a step (default: to its end). */
@@ -300,13 +327,7 @@ export class Studio {
     return this.inTurn(async () => {
       const old = this.isOwn ? this.simulation : null;
       const { document } = this;
-      const simulation = await this.client.create({
-        model: document.gallery ? { gallery: document.gallery } : modelOf(document),
-        seed: this.seed,
-        name: document.title,
-        save: "request",
-        ...(document.environment && !document.gallery ? { environment: document.environment as [] } : {}),
-      });
+      const simulation = await this.create();
       this.diagnostics = simulation.created!.diagnostics;
       const isAgain = old !== null && this.shownTitle === document.title;
       this.shownTitle = document.title;
@@ -355,7 +376,8 @@ export class Studio {
     this.length = simulation.created?.derivationLength ?? information?.derivationLength ?? 0;
     this.isFinished = simulation.created?.finished ?? information?.finished ?? false;
     const { colours, isOfModel } = await simulation.get("palette");
-    this.view?.setPalette((isOwn && folderPalette(this.document)) || { colours: colours!, isOfModel: isOfModel! });
+    this.palette = (isOwn && folderPalette(this.document)) || { colours: colours!, isOfModel: isOfModel! };
+    this.view?.setPalette(this.palette);
     this.view?.highlight(null);
     if (isAnother) {
       this.view?.forgetFit();
@@ -365,6 +387,13 @@ export class Studio {
     this.streams = [statistics, columns];
     void this.readStatistics(statistics);
     void this.readColumns(columns);
+    this.view?.showObject(null);
+    if (hasTextures(this.document)) {
+      // columns have no textures: the plant comes as a mesh too
+      const objects = await simulation.stream("glb", { credits: 1 });
+      this.streams.push(objects);
+      void this.readObjects(objects).catch((error) => this.fail(error));
+    }
     this.changed();
   }
 
@@ -399,6 +428,21 @@ export class Studio {
       await new Promise((drawn) => requestAnimationFrame(drawn));
     }
     this.ended(stream);
+  }
+
+  private async readObjects(stream: Stream<"glb">): Promise<void> {
+    for await (const { glb, step } of stream) {
+      const object = await readObject(glb.slice().buffer);
+      if (this.held) {
+        await this.held;
+      }
+      // not a state on the way to the wanted one
+      if (this.streams.includes(stream) && (this.isRunning || step === this.step)) {
+        this.view?.showObject(object, step);
+      } else {
+        freeObject(object);
+      }
+    }
   }
 
   private ended(stream: Stream<"statistics"> | Stream<"columns">): void {
@@ -556,6 +600,19 @@ export class Studio {
     this.changed();
     if (!isUnderWay) {
       void this.act(() => this.inTurn(() => this.deriveWanted()));
+    }
+  }
+
+  /** Takes numbers and a seed over, as sliders do. `steps`: of the digits that are written. */
+  async takeOver(values: Record<string, number>, seed: number, steps: Record<string, number>): Promise<void> {
+    for (const [name, value] of Object.entries(values)) {
+      const define = this.defines.find((one) => one.name === name);
+      if (define) {
+        this.slide(define, value, steps[name] ?? 0.01, true);
+      }
+    }
+    if (seed !== this.seed) {
+      await this.setSeed(seed);
     }
   }
 

@@ -4,6 +4,7 @@ import type { Geometry } from "espalier";
 
 export class Organs {
   readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
+  count = 0;
   private begins = new Uint32Array(1); // first vertex of each organ, and the end
 
   constructor() {
@@ -59,7 +60,7 @@ export class Organs {
     }
     geometry.setDrawRange(0, index.length);
     geometry.boundingSphere = new Sphere(undefined, Infinity);
-    this.mesh.visible = index.length > 0;
+    this.count = organs.count;
   }
 
   /** `paint(organ)` gives 0xRRGGBB. */

@@ -23,6 +23,7 @@ import type { Geometry, GeometryChange, TurtleTable } from "espalier";
 import { painting } from "./colours.js";
 import type { Births, ColourMode, Legend, ModelPalette } from "./colours.js";
 import { boundsOf, pick } from "./measures.js";
+import { freeObject, texturesOf } from "./objects.js";
 import type { Picked } from "./measures.js";
 import { Organs } from "./organs.js";
 import { Tubes } from "./tubes.js";
@@ -97,6 +98,7 @@ export class View {
     this.ground.material.color = new Color(settings.isDark ? 0x39413a : 0xe9e7da);
     this.sky.intensity = settings.isDark ? 1.3 : 1.6;
     this.repaint();
+    this.arrange();
   }
 
   setPalette(palette: ModelPalette | null): void {
@@ -122,6 +124,7 @@ export class View {
     }
     this.bounds = boundsOf(geometry);
     this.repaint();
+    this.arrange();
     this.fitGrown(isLast);
   }
 
@@ -160,10 +163,11 @@ export class View {
     this.draw();
   }
 
-  /** Shows an object of a file (with its textures) instead of the columns; null: the columns. */
-  showObject(object: Object3D | null): void {
+  /** Shows an object of a file (with its textures) instead of the columns, in the model's colours; null: the columns. */
+  showObject(object: Object3D | null, step = 0): void {
     if (this.other) {
       this.scene.remove(this.other);
+      freeObject(this.other);
     }
     this.other = object;
     if (object) {
@@ -171,9 +175,19 @@ export class View {
         part.castShadow = part.receiveShadow = true;
       });
       this.scene.add(object);
+      this.element.dataset.textured = String(step);
     }
-    this.tubes.mesh.visible = !object && this.tubes.count > 0;
-    this.organs.mesh.visible = !object;
+    this.arrange();
+  }
+
+  /** Either the columns or the object is visible. A chosen module has its colour in the columns only. */
+  private arrange(): void {
+    const isObject = this.other !== null && this.settings.mode === "model" && !this.picked;
+    if (this.other) {
+      this.other.visible = isObject;
+    }
+    this.tubes.mesh.visible = !isObject && this.geometry !== null && this.tubes.count > 0;
+    this.organs.mesh.visible = !isObject && this.geometry !== null && this.organs.count > 0;
     this.draw();
   }
 
@@ -181,8 +195,6 @@ export class View {
     this.geometry = null;
     this.fitted = null;
     this.picked = null;
-    this.tubes.mesh.visible = false;
-    this.organs.mesh.visible = false;
     this.showObject(null);
   }
 
@@ -297,6 +309,7 @@ export class View {
   highlight(module: { plant: number; module: number } | null): void {
     this.picked = module;
     this.repaint();
+    this.arrange();
   }
 
   /** World units that a pixel shows at the centre of the plant. */
@@ -306,18 +319,41 @@ export class View {
   }
 
   /** Figures for tests: draw calls of the last picture, bytes of a segment, what is shown. */
-  figures(): { calls: number; segmentBytes: number; segments: number; organs: number } {
+  figures(): { calls: number; segmentBytes: number; segments: number; organs: number; textures: number } {
     return {
       calls: this.renderer.info.render.calls,
       segmentBytes: this.tubes.bytesEach,
       segments: this.geometry?.segments.count ?? 0,
       organs: this.geometry?.organs.count ?? 0,
+      textures: this.other?.visible ? texturesOf(this.other).size : 0,
     };
   }
 
   picture(): string {
     this.drawNow();
     return this.renderer.domElement.toDataURL("image/png");
+  }
+
+  /** A picture of other plants, as a whole, seen from the side from which another view looks. */
+  pictureOf(geometry: Geometry, change: GeometryChange, other: View): string {
+    this.camera.position.copy(other.camera.position);
+    this.controls.target.copy(other.controls.target);
+    // then fit() keeps the direction
+    this.fitted = new Box3();
+    // one drawing is enough
+    this.isDrawing = true;
+    this.update(geometry, { ...change, isWhole: true }, 0, true);
+    const made = this.picture();
+    this.isDrawing = false;
+    return made;
+  }
+
+  /** Frees the canvas; browsers allow few. */
+  dispose(): void {
+    this.controls.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+    this.renderer.domElement.remove();
   }
 }
 

@@ -148,7 +148,6 @@ export class Tubes {
     // a width in pixels has no size in the light's picture
     this.mesh.castShadow = geometry.widths === "world";
     this.mesh.geometry.instanceCount = count;
-    this.mesh.visible = count > 0;
   }
 
   /** The colours of rows, four bytes each; `paint(i)` gives 0xRRGGBB. */

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/core/streams.h"
@@ -24,6 +26,13 @@ enum class PictureFraming : std::uint8_t {
   View,    // as in the view file: `box`, `scale factor`, `viewing angle`
 };
 
+struct PictureOptions;
+using PictureImage = files::Image;
+
+/// Draws copies of scenes; returns a sentence when it cannot.
+using PictureDrawer = std::function<std::optional<std::string>(
+    const PlacedScenes& placed, const PictureOptions& options, PictureImage& image, const ExportProgress& progress)>;
+
 /// How a picture of points is made.
 struct PictureOptions {
   int widthPixels = 800;
@@ -37,12 +46,11 @@ struct PictureOptions {
   int maximumColours = 0;                   // 2 to 256: of the file; 0: as many as there are
   bool hasGround = true;                    // shade where plants stand, on a fitted page of the model
   const files::Palette* palette = nullptr;  // a model folder's colours; null or empty: Espalier's own
+  PictureDrawer draw = {};                  // makes the picture of a file; empty: renderPlaced()
 };
 
 /// Largest width and height of a picture.
 inline constexpr int kMaximumPicturePixels = 16'384;
-
-using PictureImage = files::Image;
 
 /// Renders a scene: triangles with depth, shaded by the view file's lights, or by Espalier's own (a key light from the
 /// upper left, a weaker one from the right, light from the sky); lines in the view file's style; 16 samples a pixel.

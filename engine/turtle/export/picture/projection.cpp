@@ -33,6 +33,11 @@ ProjectedPoint Projection::project(const Vec3& point) const {
   return {core::dot(d, right_) * magnification, core::dot(d, up_) * magnification, depth, magnification};
 }
 
+Vec3 Projection::unproject(double x, double y, double depth) const {
+  const double magnification = isPerspective_ ? depth / distance_ : 1.0;  // world units per picture unit
+  return target_ + x * magnification * right_ + y * magnification * up_ + (distance_ - depth) * back_;
+}
+
 Vec3 Projection::towardViewer(const Vec3& point) const {
   return isPerspective_ ? core::normalised(target_ + distance_ * back_ - point) : back_;
 }

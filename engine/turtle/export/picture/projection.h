@@ -20,6 +20,8 @@ class Projection {
   explicit Projection(const files::ViewSettings& view);
 
   [[nodiscard]] ProjectedPoint project(const core::Vec3& point) const;
+  /// The point of the world at a place of the picture plane and a depth: project() the other way round.
+  [[nodiscard]] core::Vec3 unproject(double x, double y, double depth) const;
   /// Toward the viewer.
   [[nodiscard]] const core::Vec3& towardViewer() const { return back_; }
   /// Toward the viewer from a point, unit.

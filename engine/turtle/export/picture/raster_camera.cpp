@@ -64,4 +64,8 @@ PagePoint RasterCamera::onPage(const Vec3& point) const {
           .depth = p.depth};
 }
 
+Vec3 RasterCamera::fromPage(double x, double y, double depth) const {
+  return projection_.unproject((x - offsetX_) / scale_, (offsetY_ - y) / scale_, depth);
+}
+
 }  // namespace espalier::turtle

@@ -25,6 +25,8 @@ class RasterCamera {
                const PictureOptions& options);
 
   [[nodiscard]] PagePoint onPage(const core::Vec3& point) const;
+  /// The point of the world at a place of the page and a depth: onPage() the other way round.
+  [[nodiscard]] core::Vec3 fromPage(double x, double y, double depth) const;
   [[nodiscard]] const Projection& projection() const { return projection_; }
   /// Whether a point is in front of the viewer.
   [[nodiscard]] bool isVisible(const core::Vec3& point) const { return projection_.isVisible(point); }

@@ -37,7 +37,7 @@ std::array<int, 4> pixelAt(const PictureImage& image, int x, int y) {
   return {image.pixels[at], image.pixels[at + 1], image.pixels[at + 2], image.pixels[at + 3]};
 }
 
-constexpr PictureOptions kTransparent{
+const PictureOptions kTransparent{
     .widthPixels = 200, .heightPixels = 100, .marginFraction = 0.0, .background = PictureBackground::Transparent};
 
 TEST(Picture, ABallFillsACircleOfThePage) {

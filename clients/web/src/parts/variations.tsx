@@ -1,0 +1,90 @@
+// A table of plants over two numbers of the model, or over seeds. A click takes a plant over.
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import type { Studio } from "../studio/studio.js";
+import { SIDE, axisOf, growVariations, seedAxis, variationsOf } from "../studio/variations.js";
+import type { Axis, Variation } from "../studio/variations.js";
+import { View } from "../view/scene.js";
+import { Dialog } from "./dialogs.js";
+
+const short = (value: number): string => String(Number(value.toPrecision(4)));
+
+/** The choice of what changes along a side, and between which values. */
+function AxisChoice({ studio, label, axis, onChange }: { studio: Studio; label: string; axis: Axis; onChange: (axis: Axis) => void }) {
+  const choose = (name: string) => onChange(name === "" ? seedAxis() : axisOf(studio.defines.find((define) => define.name === name)!));
+  const bound = (side: "low" | "high") => (
+    <input type="number" step={axis.step} value={axis[side]} aria-label={`${side === "low" ? "First" : "Last"} value ${label}`}
+      onChange={(event) => Number.isFinite(event.currentTarget.valueAsNumber) && onChange({ ...axis, [side]: event.currentTarget.valueAsNumber })} />
+  );
+  return (
+    <div class="axis">
+      <label>
+        {label}{" "}
+        <select value={axis.name} onChange={(event) => choose(event.currentTarget.value)}>
+          {studio.defines.map(({ file, name }) => <option key={`${file} ${name}`} value={name}>{name}</option>)}
+          <option value="">seed</option>
+        </select>
+      </label>
+      {axis.name !== "" && <>{bound("low")} … {bound("high")}</>}
+    </div>
+  );
+}
+
+export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose: () => void }) {
+  const [across, setAcross] = useState<Axis>(() => (studio.defines[0] ? axisOf(studio.defines[0]) : seedAxis()));
+  const [down, setDown] = useState<Axis>(() => (studio.defines[1] ? axisOf(studio.defines[1]) : seedAxis()));
+  const [pictures, setPictures] = useState<Record<string, string>>({});
+  const [problem, setProblem] = useState("");
+  const stage = useRef<HTMLDivElement>(null);
+  const view = useRef<View | null>(null);
+  const isClosed = useRef(false);
+  const variations = useMemo(() => variationsOf(across, down, studio.seed), [across, down]);
+  const keyOf = ({ row, column }: Variation) => `${row} ${column}`;
+  useEffect(() => {
+    const made = new View(stage.current!, { ...studio.view!.settings, mode: "model", hasShadows: false });
+    made.setPalette(studio.palette);
+    view.current = made;
+    return () => {
+      isClosed.current = true;
+      made.dispose();
+    };
+  }, []);
+  useEffect(() => {
+    const stop = new AbortController();
+    setPictures({});
+    setProblem("");
+    growVariations(studio, variations, (grown) => {
+      if (!stop.signal.aborted && !isClosed.current) {
+        const picture = view.current!.pictureOf(grown.geometry, grown.change, studio.view!);
+        setPictures((before) => ({ ...before, [keyOf(grown)]: picture }));
+      }
+    }, stop.signal).catch((error: Error) => setProblem(error.message));
+    return () => stop.abort();
+  }, [variations]);
+  const take = ({ values, seed }: Variation) => {
+    onClose();
+    void studio.act(() => studio.takeOver(values, seed, { [across.name]: across.step, [down.name]: down.step }));
+  };
+  const nameOf = ({ values, seed }: Variation) =>
+    [...Object.entries(values).map(([name, value]) => `${name} ${short(value)}`), ...(across.name === "" || down.name === "" ? [`seed ${seed}`] : [])].join(", ");
+  return (
+    <Dialog title="Variations" class="variations" onClose={onClose}>
+      <div class="row">
+        <AxisChoice studio={studio} label="across" axis={across} onChange={setAcross} />
+        <AxisChoice studio={studio} label="down" axis={down} onChange={setDown} />
+        <span class="quiet">{Object.keys(pictures).length} of {SIDE * SIDE}. A click takes a plant over.</span>
+      </div>
+      {problem && <p class="error">{problem}</p>}
+      <div class="scroll">
+        <div class="table">
+          {variations.map((one) => (
+            <button type="button" class="card" key={keyOf(one)} data-variation={keyOf(one)} aria-label={nameOf(one)} title={nameOf(one)} onClick={() => take(one)}>
+              <div class="picture">{pictures[keyOf(one)] && <img src={pictures[keyOf(one)]} alt="" />}</div>
+              <span>{nameOf(one)}</span>
+            </button>
+          ))}
+        </div>
+      </div>
+      <div ref={stage} class="aside" aria-hidden="true" />
+    </Dialog>
+  );
+}
