@@ -20,6 +20,7 @@ struct WebFile {
   std::string path;          // "/" is the front page
   std::string type;          // Content-Type
   std::string_view content;  // must outlive the server
+  std::string policy{};      // Content-Security-Policy; empty: that of the server's own page
 };
 
 struct ServerOptions {
@@ -37,6 +38,10 @@ struct ServerOptions {
   std::vector<Token> tokens;  // none: clients need none; any address but loopback needs one
   /// Reads the tokens again when SIGHUP comes, on a worker. Null: SIGHUP stops the server.
   std::function<tl::expected<std::vector<Token>, std::string>()> readTokens;
+  /// Called once, when the server serves and handles signals. Null: nothing.
+  std::function<void()> readySignal;
+  /// Called on the network thread about once a second while the server serves. Null: nothing.
+  std::function<void()> aliveSignal;
   bool isInsecureAllowed = false;  // a non-loopback address without TLS
   RemotePermissions remote;        // environments in other processes that clients may name
   unsigned workers = 0;            // 0: as many as cores

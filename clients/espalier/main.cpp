@@ -5,9 +5,11 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "clients/espalier/commands/commands.h"
+#include "clients/espalier/installation/version_text.h"
 #include "clients/espalier/messages.h"
 #include "engine/core/check.h"
 #include "engine/core/diagnostic.h"
@@ -49,7 +51,14 @@ int main(int argumentCount, char** arguments) {
       "Exit status: 0 success, 1 the command failed, 2 wrong command line.",
       "espalier"};
   program.require_subcommand(1);
-  program.set_version_flag("--version", "espalier " ESPALIER_VERSION);
+  const auto isVerbose = [&] {
+    return std::any_of(arguments, arguments + argumentCount,
+                       [](const char* word) { return std::string_view(word) == "--verbose"; });
+  };
+  program.set_version_flag("--version", [&] { return isVerbose() ? verboseVersionText() : versionLine(); });
+  // read by --version, which ends the program before other options are
+  bool isRead = false;
+  program.add_flag("--verbose", isRead, "With --version: compiler, system, processor and folders, for reports");
   program.footer("`espalier COMMAND --help` explains a command. Start with: espalier derive MODEL.l --every");
 
   // a file that reaches the size limit is an error of that file and does not end the program
@@ -83,6 +92,7 @@ int main(int argumentCount, char** arguments) {
   addToken(program, status);
   addBackup(program, status);
   addRestore(program, status);
+  addSelfTest(program, status);
 
   // name a mistyped command before its options are read
   if (argumentCount > 1 && arguments[1][0] != '-') {

@@ -11,16 +11,20 @@ version="$(sed -nE 's/^project\(Espalier VERSION ([0-9.]+).*/\1/p' "$root/CMakeL
 tree="$(mktemp -d)/espalier-$version"
 trap 'rm -rf "$(dirname "$tree")"' EXIT
 
-[[ -f "$root/clients/web/espalier.js" ]] || {
-  echo "The script of the pages is not there: run ./dev build first (it needs Node.js and npm)." >&2
-  exit 1
-}
+# Node.js makes these; the package is built without it
+scripts="espalier.js studio.js studio.css"
+for script in $scripts; do
+  [[ -f "$root/clients/web/$script" ]] || {
+    echo "The script of the pages clients/web/$script is not there: run ./dev build first (it needs Node.js and npm)." >&2
+    exit 1
+  }
+done
 
 # the files that git knows, as they are now
 rm -f "$folder"/*.deb
 mkdir -p "$tree"
 (cd "$root" && git ls-files -z | xargs -0 cp --parents -t "$tree" --)
-cp "$root/clients/web/espalier.js" "$tree/clients/web/"
+(cd "$root/clients/web" && cp -t "$tree/clients/web" -- $scripts)
 cp -r "$root/clients/packaging/debian" "$tree/debian"
 
 export ESPALIER_NINJA_FLAGS="-j$jobs"

@@ -19,6 +19,10 @@ using asio::ip::tcp;
 using Request = http::request<http::empty_body>;
 
 constexpr std::size_t kRequestBytes = 16'384;
+// only the page's own script, styles in the page, images that the script makes, and the WebSocket of this server
+constexpr std::string_view kPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+    "connect-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 // for each request after the first, and for each part of an answer that the peer reads
 constexpr std::chrono::seconds kIdle{60};
 // of one connection
@@ -129,10 +133,7 @@ http::response<http::string_body> responseOf(HttpPage page, const Request& reque
   response.set(http::field::content_type, page.type);
   response.set("X-Content-Type-Options", "nosniff");
   if (page.type.starts_with("text/html")) {
-    // only its own script, styles in the page, images that the script makes, and the WebSocket of this server
-    response.set("Content-Security-Policy",
-                 "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-                 "connect-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+    response.set("Content-Security-Policy", page.policy.empty() ? std::string(kPolicy) : page.policy);
   }
   if (!page.fileName.empty()) {
     std::string name = page.fileName;

@@ -54,7 +54,7 @@ HttpPage pageOf(std::string_view target, const ServerCore& core) {
   const std::string_view path = target.substr(0, target.find('?'));
   for (const WebFile& file : core.options().pages) {
     if (path == file.path) {
-      return {200, file.type, std::string(file.content)};
+      return {200, file.type, std::string(file.content), {}, file.policy};
     }
   }
   if (path == "/health") {

@@ -15,6 +15,7 @@ struct HttpPage {
   std::string type = "text/plain; charset=utf-8";
   std::string body;
   std::string fileName{};          // for saving; empty: the browser shows the page
+  std::string policy{};            // Content-Security-Policy; empty: that of the server's own page
   std::shared_ptr<void> memory{};  // of the body, in an account; null: it is not counted
 };
 

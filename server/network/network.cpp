@@ -96,6 +96,9 @@ class Network::Implementation {
       asio::co_spawn(context_, accept(httpAcceptor_, [this](tcp::socket socket) { admitHttp(std::move(socket)); }),
                      asio::detached);
     }
+    if (const auto& signal = core_->options().readySignal) {
+      signal();
+    }
     while (!context_.stopped()) {
       try {
         context_.run();
@@ -178,6 +181,9 @@ class Network::Implementation {
       }
       for (const auto& connection : std::set(connections_)) {
         connection->checkAccess();
+      }
+      if (const auto& signal = core_->options().aliveSignal) {
+        signal();
       }
       sweep();
     });

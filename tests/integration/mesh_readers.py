@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 import struct
+import xml.etree.ElementTree as xml
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 Vector = Tuple[float, float, float]
 IDENTITY = [1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 1.0]
@@ -210,6 +212,41 @@ def read_usda(file: Path) -> Mesh:
     return Mesh(triangles)
 
 
+VTK_TYPES = {"Float32": "f", "Float64": "d", "Int64": "q", "UInt8": "B", "UInt16": "H", "UInt32": "I", "UInt64": "Q"}
+
+
+def vtp_array(array: "xml.Element") -> List[Any]:
+    """The numbers of an inline array, which stand behind their size in bytes."""
+    raw = base64.b64decode(array.text or "", validate=True)
+    (size,) = struct.unpack_from("<Q", raw)
+    assert size == len(raw) - 8, array.attrib
+    code = VTK_TYPES[array.attrib["type"]]
+    return list(struct.unpack_from(f"<{size // struct.calcsize(code)}{code}", raw, 8))
+
+
+def vtp_pieces(file: Path) -> List[Dict[str, List[Any]]]:
+    """Of each piece its arrays by name, with the numbers of points and cells that it claims."""
+    pieces = []
+    for piece in xml.parse(file).getroot().iter("Piece"):
+        arrays = {array.attrib["Name"]: vtp_array(array) for array in piece.iter("DataArray")}
+        assert len(arrays["Points"]) == 3 * int(piece.attrib["NumberOfPoints"])
+        assert len(arrays["offsets"]) == len(arrays["module"]) == int(piece.attrib["NumberOfPolys"])
+        pieces.append(arrays)
+    return pieces
+
+
+def read_vtp(file: Path) -> Mesh:
+    triangles: List[Triangle] = []
+    for arrays in vtp_pieces(file):
+        points, normals = ([tuple(arrays[name][i:i + 3]) for i in range(0, len(arrays[name]), 3)] for name in ("Points", "Normals"))
+        begin = 0
+        for end in arrays["offsets"]:
+            triangles.extend(fan(arrays["connectivity"][begin:end], points, normals))
+            begin = end
+        assert begin == len(arrays["connectivity"])
+    return Mesh(triangles)
+
+
 READERS: Dict[str, Callable[[Path], Mesh]] = {
-    "glb": read_glb, "obj": read_obj, "ply": read_ply, "stl": read_stl, "usda": read_usda,
+    "glb": read_glb, "obj": read_obj, "ply": read_ply, "stl": read_stl, "usda": read_usda, "vtp": read_vtp,
 }

@@ -1,13 +1,18 @@
-"""One tree with bark, leaves with holes and forks in five mesh formats: read back, they are the same triangles."""
+"""One tree with bark, leaves with holes and forks in six mesh formats: read back, they are the same triangles."""
 
 from __future__ import annotations
 
+import csv
+import importlib.util
+import math
+import re
 import tempfile
 import unittest
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
-from typing import Tuple
+from typing import List, Tuple
 
-from mesh_readers import READERS
+from mesh_readers import READERS, vtp_pieces
 from support import REPOSITORY, espalier
 
 GALLERY = REPOSITORY / "clients" / "gallery"
@@ -50,6 +55,81 @@ class MeshFormats(unittest.TestCase):
     def test_a_plant_with_every_kind_of_organ_is_the_same_in_every_format(self) -> None:
         corners = ((-4.417216, -0.303705, -2.668117), (1.472719, 4.021339, 2.024975))
         self.compare(REPOSITORY / "tests" / "gltf" / "organs", 3979, 408, corners)
+
+
+class ForParaView(unittest.TestCase):
+    """The cells of a .vtp know where they come from."""
+
+    MODEL = "Lsystem: 1\nderivation length: 2\nAxiom: A(1,2)\nA(l,w) --> F(l,w)[+(40)A(l/2,w/2)]A(l*0.9,w)\nendlsystem\n"
+
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+        (self.folder / "m.l").write_text(self.MODEL, encoding="utf-8")
+        (self.folder / "m.v").write_text("line style: cylinder\n", encoding="utf-8")
+        espalier("run", str(self.folder / "m.l"), "-o", str(self.folder / "m.vtp"), "-o", str(self.folder / "m.csv"), "--quiet")
+        with (self.folder / "m.csv").open(newline="", encoding="utf-8") as file:
+            self.rows = {int(row["module"]): row for row in csv.DictReader(file)}
+
+    def check(self, modules: List[int], orders: List[int], lengths: List[float], symbols: List[str]) -> None:
+        drawn = {number for number, row in self.rows.items() if row["symbol"] == "F"}
+        self.assertEqual(set(modules), drawn)
+        for module, order, length, symbol in zip(modules, orders, lengths, symbols):
+            row = self.rows[module]
+            self.assertEqual((order, symbol), (int(row["order"]), row["symbol"]))
+            self.assertEqual(length, float(re.split(r"[ ,;]+", row["parameters"])[0]))
+
+    def test_the_arrays_agree_with_the_table_of_modules(self) -> None:
+        names = self.symbols()
+        for arrays in vtp_pieces(self.folder / "m.vtp"):
+            self.check(arrays["module"], arrays["order"], arrays["parameter1"], [names[number] for number in arrays["symbol"]])
+            # F(l,w) has two parameters
+            self.assertTrue(all(math.isnan(value) for value in arrays["parameter3"]))
+
+    def symbols(self) -> List[str]:
+        text = (self.folder / "m.vtp").read_text(encoding="utf-8")
+        found = re.search(r'Name="symbols"[^>]*>([^<]*)<', text)
+        assert found is not None
+        return "".join(chr(int(number)) for number in found.group(1).split()).rstrip("\0").split("\0")
+
+    @unittest.skipUnless(importlib.util.find_spec("vtk"), "VTK is not installed (Debian: python3-vtk9)")
+    def test_vtk_reads_the_same(self) -> None:
+        import vtk
+
+        reader = vtk.vtkXMLPolyDataReader()
+        reader.SetFileName(str(self.folder / "m.vtp"))
+        reader.Update()
+        data = reader.GetOutput()
+        cells = data.GetCellData()
+
+        def values(name: str) -> List[float]:
+            array = cells.GetArray(name)
+            return [array.GetTuple1(i) for i in range(data.GetNumberOfCells())]
+
+        names = data.GetFieldData().GetAbstractArray("symbols")
+        self.assertEqual(data.GetNumberOfCells(), sum(len(arrays["module"]) for arrays in vtp_pieces(self.folder / "m.vtp")))
+        self.check([int(value) for value in values("module")], [int(value) for value in values("order")], values("parameter1"),
+                   [names.GetValue(int(value)) for value in values("symbol")])
+        self.assertEqual(data.GetPointData().GetNormals().GetNumberOfTuples(), data.GetNumberOfPoints())
+
+    def test_a_series_lists_every_step_of_the_plant_and_of_the_soil(self) -> None:
+        espalier("run", str(GALLERY / "roots-in-soil"), "--steps", "3", "--every", "-o", str(self.folder / "a & b.vtp"), "--field",
+                 str(self.folder / "a & b.vti"), "--field", str(self.folder / "w%02d.vti"), "--quiet")
+        self.assertEqual(sorted(file.name for file in self.folder.glob("*.pvd")), ["a & b.pvd", "w.pvd"])
+        for name, suffixes, pattern in (("a & b", (".vtp", ".vti"), "a & b-{:04d}"), ("w", (".vti",), "w{:02d}")):
+            sets = ElementTree.parse(self.folder / f"{name}.pvd").getroot().findall("Collection/DataSet")
+            self.assertEqual([(entry.get("timestep"), entry.get("part"), entry.get("file")) for entry in sets],
+                             [(str(step), str(part), pattern.format(step) + suffix)
+                              for step in range(4) for part, suffix in enumerate(suffixes)])
+            for entry in sets:
+                self.assertTrue((self.folder / str(entry.get("file"))).is_file())
+
+    def test_a_large_plant_is_several_pieces(self) -> None:
+        espalier("run", str(GALLERY / "textured-tree"), "-o", str(self.folder / "tree.vtp"), "-o", str(self.folder / "tree.ply"), "--detail",
+                 "4", "--quiet")
+        self.assertGreater(len(vtp_pieces(self.folder / "tree.vtp")), 1)
+        self.assertEqual(len(READERS["vtp"](self.folder / "tree.vtp").triangles), len(READERS["ply"](self.folder / "tree.ply").triangles))
 
 
 if __name__ == "__main__":

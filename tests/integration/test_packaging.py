@@ -77,7 +77,7 @@ class FromHelp(unittest.TestCase):
     def test_zsh_and_fish_read_theirs(self) -> None:
         for shell, words, text in (("zsh", ["-n"], make_completions.zsh(self.table)),
                                    ("fish", ["--no-execute"], make_completions.fish(self.table))):
-            for command in ("derive", "token"):
+            for command in ("derive", "self-test"):
                 self.assertIn(command, text)
             if shutil.which(shell):
                 with tempfile.NamedTemporaryFile("w", suffix=shell, encoding="utf-8") as file:

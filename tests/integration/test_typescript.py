@@ -4,10 +4,11 @@ import os
 import re
 import shutil
 import subprocess
+import tempfile
 import unittest
 from pathlib import Path
 
-from support import REPOSITORY, SECONDS, program
+from support import EXAMPLES, REPOSITORY, SECONDS, program, python, stdio, strings
 
 WEB = REPOSITORY / "clients" / "web"
 CLIENT = REPOSITORY / "clients" / "typescript"
@@ -26,10 +27,29 @@ class TypeScript(unittest.TestCase):
         self.assertEqual(node("generate.js", folder=CLIENT).returncode, 0)
         built = node(str(COMPILER), "--typeRoots", str(WEB / "node_modules" / "@types"), folder=CLIENT)
         self.assertEqual((built.returncode, built.stdout), (0, ""), built.stdout)
+        self.compiled_page()
         tested = node("--test", "test/", folder=CLIENT)
         self.assertEqual(tested.returncode, 0, tested.stdout[-6000:])
         found = re.search(r"^# pass (\d+)", tested.stdout, re.MULTILINE)
         self.assertGreaterEqual(int(found.group(1)) if found else 0, 5)
+
+    def compiled_page(self) -> None:
+        """The program of docs/howto/own-environment-typescript.md."""
+        page = (REPOSITORY / "docs" / "howto" / "own-environment-typescript.md").read_text(encoding="utf-8")
+        source, = re.findall(r"```\n(import .*?)```", page, re.DOTALL)
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "node_modules").mkdir()
+            (folder / "node_modules" / "espalier").symlink_to(CLIENT)
+            (folder / "package.json").write_text('{"type": "module"}', encoding="utf-8")
+            (folder / "ceiling.ts").write_text(source, encoding="utf-8")
+            built = node(str(COMPILER), "--module", "nodenext", "--target", "es2022", "--strict", "--typeRoots",
+                         str(WEB / "node_modules" / "@types"), "--types", "node", "ceiling.ts", folder=folder)
+            self.assertEqual((built.returncode, built.stdout), (0, ""), built.stdout)
+            environment = stdio(["node", str(folder / "ceiling.js")])
+            grown, same = (strings("light-tree", "--seed", "7", "--environment", given) for given in
+                           (environment, stdio(python(EXAMPLES / "ceiling.py"))))
+            self.assertEqual(grown, same)
 
 
 if __name__ == "__main__":

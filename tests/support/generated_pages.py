@@ -1,4 +1,5 @@
-"""Parts of pages that the program writes: the table of limits in docs/operating.md. `./dev pages` calls this as a script."""
+"""Parts of files that the program writes: the table of limits in docs/operating.md, the hashes of `espalier self-test`.
+`./dev pages` calls this as a script."""
 
 import re
 import subprocess
@@ -9,6 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "operating.md"
 BEGIN = "<!-- limits: `./dev pages` writes this table from the program -->\n"
 END = "<!-- /limits -->"
+HASHES = ROOT / "clients" / "espalier" / "installation" / "self_test.def"
 
 
 def grouped(number: str) -> str:
@@ -46,6 +48,18 @@ def with_limits(page: str, table: str) -> str:
     return before + BEGIN + table + END + rest.split(END)[1]
 
 
+def with_hashes(text: str, program: str) -> str:
+    """The table of state hashes with those of this program."""
+    def row(match: "re.Match[str]") -> str:
+        model, steps = match[1], match[2]
+        done = subprocess.run([program, "derive", str(ROOT / "clients" / "gallery" / model), "--seed", "1", "--steps", steps,
+                               "--hash", "--quiet"], capture_output=True, text=True, check=True)
+        return f'ESPALIER_SELF_TEST_HASH("{model}", {steps}, "{done.stdout.strip()}")'
+
+    return re.sub(r'^ESPALIER_SELF_TEST_HASH\("([\w-]+)", (\d+), "\w+"\)', row, text, flags=re.MULTILINE)
+
+
 if __name__ == "__main__":
     PAGE.write_text(with_limits(PAGE.read_text(encoding="utf-8"), limits_table(sys.argv[1])), encoding="utf-8")
-    print(f"wrote {PAGE.relative_to(ROOT)}")
+    HASHES.write_text(with_hashes(HASHES.read_text(encoding="utf-8"), sys.argv[1]), encoding="utf-8")
+    print(f"wrote {PAGE.relative_to(ROOT)} and {HASHES.relative_to(ROOT)}")

@@ -38,5 +38,6 @@ void addStatus(CLI::App& program, int& status);
 void addToken(CLI::App& program, int& status);
 void addBackup(CLI::App& program, int& status);
 void addRestore(CLI::App& program, int& status);
+void addSelfTest(CLI::App& program, int& status);
 
 }  // namespace espalier::command

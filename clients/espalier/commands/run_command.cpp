@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "clients/espalier/output/growth_outputs.h"
 #include "clients/espalier/output/movies.h"
 #include "clients/espalier/output/outputs.h"
+#include "clients/espalier/output/paraview_series.h"
 #include "clients/espalier/output/plant_rows.h"
 #include "clients/espalier/output/progress_bar.h"
 #include "clients/espalier/resumed_run.h"
@@ -92,18 +94,31 @@ void explainNothingToDo(const simulation::Simulation& simulation, std::optional<
   printNote(sentence);
 }
 
+// the files that may become a series for ParaView
+std::vector<std::string> seriesFiles(const RunOptions& options) {
+  std::vector<std::string> files;
+  std::ranges::copy_if(options.outputs.files, std::back_inserter(files), [&](const std::string& file) {
+    const turtle::ExportFormat* const format = formatOf(options.outputs, file);
+    return format != nullptr && format->suffix == ".vtp";
+  });
+  std::ranges::copy(options.fields.files(), std::back_inserter(files));
+  return files;
+}
+
 // makes all steps up to `last` or the end of the model; the bar appears on a terminal only
 bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> last, RunOptions& options,
               const OutputWriter& writer, const TimeLimit& time) {
   ProgressBar bar(!options.model.isQuiet);
   options.trace.begin(simulation);
   std::optional<GrowthOutputs> growth;
+  std::vector<std::uint64_t> steps;
   Movies movies;
   if (options.writesEveryStep && !movies.begin(options.movies, options.framesPerSecond)) {
     return false;
   }
   const auto writeStep = [&] {
     const std::uint64_t step = simulation.completedSteps();
+    steps.push_back(step);
     return options.fields.addStep(simulation, options.writesEveryStep ? std::optional(step) : std::nullopt,
                                   options.model.isQuiet) &&
            (!options.writesEveryStep ||
@@ -130,6 +145,9 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
     options.trace.complete(simulation);
     bar.show(simulation.completedSteps(), last.value_or(simulation.derivationLength()),
              simulation.statistics().modules);
+  }
+  if (options.writesEveryStep && !writeParaviewSeries(seriesFiles(options), steps, options.model.isQuiet)) {
+    return false;
   }
   return !growth || (growth->finish(options.model.isQuiet) && movies.finish(options.model.isQuiet));
 }

@@ -12,6 +12,8 @@
 #include <thread>
 
 #include "clients/espalier/commands/commands.h"
+#include "clients/espalier/installation/handbook_files.h"
+#include "clients/espalier/installation/service_notification.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/serve_configuration.h"
 #include "clients/web/pages.h"
@@ -28,6 +30,7 @@ struct ServeOptions {
   std::string token;
   std::string tokenFile;
   std::string configuration;  // file
+  std::string handbook;       // folder; empty: what came with the program
   bool isConfigurationPrinted = false;
   bool endsWithInput = false;
   std::string durability = "process";
@@ -142,6 +145,20 @@ int runServe(CLI::App& command, ServeOptions& options) {
   options.server.pages = {{"/", "text/html; charset=utf-8", web::serverPage()},
                           {"/studio.js", "text/javascript; charset=utf-8", web::script()},
                           {"/studio.css", "text/css; charset=utf-8", web::style()}};
+  HandbookFiles handbook;
+  if (!options.http.empty()) {
+    auto read = HandbookFiles::read(options.handbook.empty() ? server::handbookOfProgram() : options.handbook);
+    if (!read && !options.handbook.empty()) {
+      printError(read.error());
+      return kFailure;
+    }
+    if (read) {
+      handbook = std::move(*read);
+    }
+    handbook.addTo(options.server.pages);
+  }
+  options.server.readySignal = [] { notifyService("READY=1"); };
+  options.server.aliveSignal = watchdogSignal();
   server::Server server(std::move(options.server));
   if (const auto problem = server.listen()) {
     printError(*problem);
@@ -160,6 +177,7 @@ int runServe(CLI::App& command, ServeOptions& options) {
     std::thread(endWithInput).detach();
   }
   server.run(true);
+  notifyService("STOPPING=1");
   return kSuccess;
 }
 
@@ -206,6 +224,9 @@ void addServe(CLI::App& program, int& status) {
       "--gallery", options->server.galleryFolder,
       "Folder of model folders that clients use by name: {\"gallery\":\"NAME\"} (default: the gallery that "
       "came with the program)");
+  command->add_option(
+      "--handbook", options->handbook,
+      "Folder of the built handbook, for /handbook of the HTTP side (default: the one that came with the program)");
   command->add_option("--token", options->token, "Token that clients send in hello; it allows everything");
   command->add_option(
       "--token-file", options->tokenFile,

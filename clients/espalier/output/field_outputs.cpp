@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 
 #include "clients/espalier/messages.h"
@@ -175,6 +176,13 @@ void FieldOutputs::begin(std::optional<std::uint64_t> variant) {
   for (Output& output : outputs_) {
     output.rows.clear();
   }
+}
+
+std::vector<std::string> FieldOutputs::files() const {
+  std::vector<std::string> files;
+  std::transform(outputs_.begin(), outputs_.end(), std::back_inserter(files),
+                 [this](const Output& output) { return fileOf(output); });
+  return files;
 }
 
 std::string FieldOutputs::fileOf(const Output& output) const {

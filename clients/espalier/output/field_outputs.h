@@ -26,6 +26,8 @@ class FieldOutputs {
   [[nodiscard]] bool parse();
   /// Begins a run: tables are empty, and with `variant` all files have that number.
   void begin(std::optional<std::uint64_t> variant);
+  /// The files without their numbers.
+  [[nodiscard]] std::vector<std::string> files() const;
   [[nodiscard]] bool isEmpty() const { return specifications_.empty(); }
   /// Notes the present step in the tables, and with `number` writes the other files with that number. False: an error
   /// was written.

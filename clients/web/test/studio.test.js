@@ -12,7 +12,7 @@ import { chromium } from "playwright-core";
 const here = dirname(fileURLToPath(import.meta.url));
 const program = process.env.ESPALIER_PROGRAM;
 const folder = mkdtempSync(join(tmpdir(), "espalier-"));
-const PATIENCE = { timeout: 60_000 };
+const PATIENCE = { timeout: 180_000 };
 // the browser draws without a graphics card
 const SIZE = process.env.ESPALIER_PICTURES ? { width: 1280, height: 720 } : { width: 800, height: 500 };
 

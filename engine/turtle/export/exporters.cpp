@@ -10,6 +10,7 @@
 #include "engine/turtle/export/mesh/ply.h"
 #include "engine/turtle/export/mesh/stl.h"
 #include "engine/turtle/export/mesh/usda.h"
+#include "engine/turtle/export/mesh/vtp.h"
 #include "engine/turtle/export/picture/picture.h"
 #include "engine/turtle/export/picture/png.h"
 #include "engine/turtle/export/picture/postscript.h"
@@ -88,6 +89,7 @@ constexpr std::array kFormats = {
     placedFormat<exportPly, false>("ply", ".ply", "a mesh whose vertices know plant, module and order (binary)"),
     placedFormat<exportStl, false>("stl", ".stl", "triangles only, for printing (binary)"),
     usdaFormat(),
+    placedFormat<exportVtp, false>("vtp", ".vtp", "a mesh with module, order and parameters, for ParaView (VTK)"),
     ExportFormat{"mtg", ".mtg", "a multiscale tree graph with geometry, for plant science", writeMtg, nullptr,
                  ExportSource::Modules},
     ExportFormat{"rsml", ".rsml", "axes and diameters of root systems (Root System Markup Language)", writeRsml},

@@ -61,6 +61,10 @@ std::string conformanceOfProgram() {
   return folderOfProgram("share/espalier/conformance", "tests/conformance/cases");
 }
 
+std::string handbookOfProgram() {
+  return folderOfProgram("share/doc/espalier/handbook", "build/handbook/site");
+}
+
 std::vector<std::string> galleryNames(const std::string& gallery) {
   std::vector<std::string> names;
   std::error_code error;

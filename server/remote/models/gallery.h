@@ -18,6 +18,9 @@ inline constexpr const char* kForestFile = "forest.json";
 /// The conformance suite that came with this program, found in the same way.
 [[nodiscard]] std::string conformanceOfProgram();
 
+/// The handbook as a site that came with this program (share/doc/espalier/handbook), or that ./dev docs built.
+[[nodiscard]] std::string handbookOfProgram();
+
 /// Names of the model folders in the gallery folder, sorted.
 [[nodiscard]] std::vector<std::string> galleryNames(const std::string& gallery);
 

@@ -273,7 +273,7 @@ TEST_F(MeshFiles, TheSameSceneGivesTheSameBytes) {
 TEST(MeshFilesBadInput, GeometryThatDoesNotFit32BitsNamesItsModule) {
   TurtleRun far("F@M(0,1e39)F");
   far.draw();
-  for (const std::string format : {"obj", "ply", "stl", "usda", "glb"}) {
+  for (const std::string format : {"obj", "ply", "stl", "usda", "vtp", "glb"}) {
     core::StringSink sink;
     const ExportTarget target{.fileName = "plant", .sink = sink, .openCompanion = {}, .progress = {}};
     EXPECT_EQ(findExportFormat(format)->write({.scene = far.scene, .view = {}}, target),
@@ -288,7 +288,7 @@ TEST(MeshFilesBadInput, OnAnAxisTheLineThatIsNotFiniteIsNamed) {
   TurtleRun far("F(1)F(1.0e20)F(1.0e39)F(1)");
   far.draw();
   const derivation::ModuleString* const string = &far.state.string;
-  for (const std::string format : {"obj", "ply", "stl", "usda", "glb"}) {
+  for (const std::string format : {"obj", "ply", "stl", "usda", "vtp", "glb"}) {
     core::StringSink sink;
     const ExportTarget target{.fileName = "plant", .sink = sink, .openCompanion = {}, .progress = {}};
     const ExportInput input{
