@@ -52,7 +52,8 @@ class Server::Implementation {
   [[nodiscard]] std::uint16_t httpPort() const { return network_.httpPort(); }
 
   void run(bool handleSignals) {
-    core_.log().info("serving on " + core_.options().host + ":" + std::to_string(port()));
+    const std::string& host = core_.options().host;
+    core_.log().info("serving on " + (host.starts_with("unix:") ? host : host + ":" + std::to_string(port())));
     network_.run(handleSignals, [this] { stop(); });
     // stop() may not have stored its thread yet
     std::thread closer;

@@ -53,6 +53,10 @@ class Derivation::Implementation {
     ESPALIER_CHECK(!program.systems.empty());
   }
 
+  void setSeed(std::uint64_t seed) {
+    context_.options.seed = seed;
+    context_.options.hasSeed = true;
+  }
   void rewind(PlantState& state, const ModuleString* start);
   void derive(PlantState& state, StepChanges* changes);
   void deriveRecorded(PlantState& state, ModuleRecord& record);
@@ -194,6 +198,9 @@ Derivation::~Derivation() = default;
 Derivation::Derivation(Derivation&&) noexcept = default;
 Derivation& Derivation::operator=(Derivation&&) noexcept = default;
 
+void Derivation::setSeed(std::uint64_t seed) {
+  implementation_->setSeed(seed);
+}
 void Derivation::rewind(PlantState& state, const ModuleString* start) {
   implementation_->rewind(state, start);
 }

@@ -38,6 +38,9 @@ class Derivation {
   Derivation(Derivation&&) noexcept;
   Derivation& operator=(Derivation&&) noexcept;
 
+  /// The next rewind draws from this seed, which replaces the model's `seed:`.
+  void setSeed(std::uint64_t seed);
+
   /// Sets `state` to step 0: define blocks, Start, the axiom. `start` takes the axiom's place, when it is given; its
   /// types are those of the program.
   void rewind(PlantState& state, const ModuleString* start = nullptr);

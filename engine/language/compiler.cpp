@@ -174,6 +174,9 @@ CompileResult compile(const CompileInput& original, core::FileProvider& original
       return result;
     }
   }
+  for (core::Diagnostic& warning : undefinedSurfaces(*program, view.unusable)) {
+    result.diagnostics.add(std::move(warning));
+  }
   program->hash = hashOf(*program);
   result.program = std::move(program);
   return result;

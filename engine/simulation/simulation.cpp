@@ -54,6 +54,10 @@ Outcome Simulation::rewind() {
   return implementation_->rewind();
 }
 
+Outcome Simulation::rewind(std::uint64_t seed) {
+  return implementation_->rewind(seed);
+}
+
 Outcome Simulation::step() {
   return implementation_->step();
 }

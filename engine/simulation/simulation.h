@@ -109,6 +109,9 @@ class Simulation {
 
   /// Goes to step 0: Start, axiom, environment opened. Must be called (or a snapshot restored) before the first step.
   [[nodiscard]] std::optional<core::SimulationError> rewind();
+  /// The same with another seed, which from now on replaces the model's. Run after run of one simulation costs less
+  /// than a simulation for each run, and gives the same bits. After a failure the seed is as before.
+  [[nodiscard]] std::optional<core::SimulationError> rewind(std::uint64_t seed);
 
   /// One step; setCancelled(true) from another thread cancels it. A step beyond the derivation length is allowed. A
   /// step after the model has stopped itself is an error.

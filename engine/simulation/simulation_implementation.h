@@ -37,6 +37,7 @@ class Simulation::Implementation {
                  std::unique_ptr<turtle::EnvironmentProcess> environment, SimulationOptions options);
 
   [[nodiscard]] Outcome rewind();
+  [[nodiscard]] Outcome rewind(std::uint64_t seed);
   [[nodiscard]] Outcome step();
   [[nodiscard]] Outcome answer();
   [[nodiscard]] Outcome draw(turtle::InterpretationOutput output);

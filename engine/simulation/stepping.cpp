@@ -242,6 +242,20 @@ Simulation::Implementation::Outcome Simulation::Implementation::rewind() {
   });
 }
 
+Simulation::Implementation::Outcome Simulation::Implementation::rewind(std::uint64_t seed) {
+  const bool hadSeed = std::exchange(options_.hasSeed, true);
+  const std::uint64_t before = std::exchange(options_.seed, seed);
+  population_.reseed();
+  viewOptions_ = nullptr;
+  Outcome failure = rewind();
+  if (failure) {
+    options_.hasSeed = hadSeed;
+    options_.seed = before;
+    population_.reseed();
+  }
+  return failure;
+}
+
 void Simulation::Implementation::begin() {
   // the plants first: a failing Start changes nothing
   std::vector<derivation::PlantState> plants(population_.size());

@@ -166,6 +166,15 @@ class Sweep(unittest.TestCase):
         self.assertEqual([row["n"] for row in rows], ["15", "", "15"])
         self.assertRegex(rows[1]["error"], r"step 1.*'A'.*tree\.l:7")
 
+    def test_a_warning_of_the_model_or_of_a_measure_is_shown(self) -> None:
+        model = self.write("zero.l", "Lsystem: 1\nderivation length: 2\nAxiom: A(1)\nA(x) --> A(x/(x-1))\nendlsystem\n")
+        done = self.sweep(self.plan(model=model, measures={"n": {"count": "A"}}, replicates=5), "-o", self.file("a.sqlite"))
+        self.assertIn("warning in run 1 and perhaps in others: ", done.stderr)
+        self.assertRegex(done.stderr, r"zero.l:4:12: warning: division by 0; the divisor counts as 1")
+        done = self.sweep(self.plan(model="tree.l", measures={"n": {"mean": "w/(l-l)", "of": "F(l,w)"}}), "-o",
+                          self.file("b.sqlite"))
+        self.assertRegex(done.stderr, r"warning in run 1 .*division by 0(.|\n)*w/\(l-l\)")
+
     def test_an_environment_is_configured_by_pointers_and_starts_anew_in_each_run(self) -> None:
         rows = self.results(
             model=str(GALLERY / "branch-tiers" / "branch-tiers.l"), environment={"type": "honda", "radius": 0.5}, steps=6,
@@ -191,6 +200,15 @@ class Sweep(unittest.TestCase):
         self.assertIn("there is no number at '/radios/1' of the environment", self.mistake(
             model="tree.l", environment={"type": "honda"}, parameters={"x": {"environment": "/radios/1"}},
             runs={"rows": [{"x": 1}]}, measures=n))
+        published = str(GALLERY / "branch-tiers" / "branch-tiers.l")
+        self.assertIn("is a file or a program without JSON, whose numbers no plan can change: give 'environment' in the plan",
+                      self.mistake(model=published, parameters={"/radius": {"uniform": [0, 1]}},
+                                   runs={"design": "random", "count": 2}, measures=n))
+        forest = self.write("forest.json", json.dumps({"models": [{"name": "t", "file": "tree.l"}], "plants": [{}]}))
+        self.assertIn("this is a JSON file, not a model", self.mistake(model=forest, measures=n))
+        self.write("comma.csv", "R;w\n0,5;1\n")
+        self.assertIn("comma.csv:2: '0,5' in the column 'R' is not a number: give a finite number in every cell, with a point",
+                      self.mistake(model="tree.l", runs={"table": "comma.csv"}, measures=n))
         self.assertIn("runs: missing", self.mistake(model="tree.l", parameters={"R": {"uniform": [0, 1]}}, measures=n))
         self.assertIn("two columns 'N'", self.mistake(model="tree.l", runs={"rows": [{"R": 1}]},
                                                       measures={"n": n["n"], "N": n["n"]}))

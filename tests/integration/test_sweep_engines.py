@@ -91,7 +91,7 @@ class Engines(unittest.TestCase):
 
     @needs("snakemake")
     def test_long_snakemake(self) -> None:
-        (self.folder / "Snakefile").write_text(example("python", "rule part").replace("N = 64", "N = 5"), encoding="utf-8")
+        (self.folder / "Snakefile").write_text(example("", "rule part").replace("N = 64", "N = 5"), encoding="utf-8")
         self.shell("snakemake -c2 --quiet --nocolor")
         self.check()
         self.assertEqual(hashlib.sha256((self.folder / "results.csv").read_bytes()).hexdigest(), self.expected)

@@ -270,6 +270,9 @@ int finish(const SweepProgress& last, const SweepOptions& options) {
     printNote(std::to_string(last.failed) + " of " + std::to_string(made) + " runs failed. The first is run " +
               std::to_string(last.firstFailed) + ": " + last.firstError);
   }
+  if (!last.firstWarning.empty()) {
+    printNote("warning in run " + std::to_string(last.firstWarned) + " and perhaps in others: " + last.firstWarning);
+  }
   if (last.done < last.total) {
     printNote("stopped: '" + options.output + "' has " + std::to_string(last.done) + " of " +
               std::to_string(last.total) + " runs. The same command continues");

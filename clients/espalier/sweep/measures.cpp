@@ -195,7 +195,7 @@ void Measures::takeModules(const simulation::Simulation& simulation, const std::
   const derivation::ModuleString& string = simulation.string();
   std::optional<ModuleExpressions::Reader> reader;
   if (readsExpressions) {
-    reader.emplace(*expressions_, program, simulation.plantState());
+    reader.emplace(*expressions_, program, simulation.plantState(), simulation.options().messages);
   }
   std::vector<double> counts(open.size());
   std::size_t offset = 0;

@@ -130,6 +130,12 @@ Compiled compileWithModel(const std::vector<ModuleExpression>& expressions, cons
   return compileText(input, with, own);
 }
 
+derivation::Evaluator::Options optionsWith(core::MessageSink messages) {
+  derivation::Evaluator::Options options;
+  options.messages = std::move(messages);
+  return options;
+}
+
 bool drawsRandom(const language::ProductionList& list) {
   return std::any_of(list.productions.begin(), list.productions.end(),
                      [](const language::Production& production) { return production.drawsRandom; });
@@ -189,10 +195,10 @@ Result<ModuleExpressions> ModuleExpressions::compile(std::vector<ModuleExpressio
 }
 
 ModuleExpressions::Reader::Reader(const ModuleExpressions& expressions, const language::Program& model,
-                                  const derivation::PlantState& plant)
+                                  const derivation::PlantState& plant, core::MessageSink messages)
     : expressions_(&expressions),
       random_(expressions.program_->compatibility, 0),
-      evaluator_(*expressions.program_, random_, {}),
+      evaluator_(*expressions.program_, random_, optionsWith(std::move(messages))),
       frame_(expressions.program_->maximumSlots + std::size_t{1}) {
   const language::Program& program = *expressions.program_;
   state_.step = plant.step;

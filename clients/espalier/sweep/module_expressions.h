@@ -45,8 +45,9 @@ class ModuleExpressions {
   /// The values of expressions in one state of a plant.
   class Reader {
    public:
-    /// Both must outlive the object.
-    Reader(const ModuleExpressions& expressions, const language::Program& model, const derivation::PlantState& plant);
+    /// Expressions and model must outlive the object. `messages` receives warnings: a division by 0.
+    Reader(const ModuleExpressions& expressions, const language::Program& model, const derivation::PlantState& plant,
+           core::MessageSink messages);
     /// The value for a module with these parameters; nothing when the condition is false. Throws
     /// core::SimulationFailure: too many loop iterations.
     [[nodiscard]] std::optional<double> value(std::size_t expression, std::span<const double> parameters);

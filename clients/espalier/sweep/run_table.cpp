@@ -79,7 +79,8 @@ Result<GivenRows> readTable(const std::string& file, std::string_view text) {
       const std::optional<double> value = core::parseNumber(cells[i]);
       if (!value || !std::isfinite(*value)) {
         return problem(place + ": '" + std::string(cells[i]) + "' in the column '" + given.names[i] +
-                       "' is not a number: give a finite number in every cell");
+                       "' is not a number: give a finite number in every cell" +
+                       (cells[i].find(',') == std::string_view::npos ? "" : ", with a point and no comma"));
       }
       row.push_back(*value);
     }

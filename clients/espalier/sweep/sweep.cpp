@@ -23,7 +23,9 @@ class FinishedRows {
     std::unique_lock lock(mutex_);
     taken_.wait(lock, [this] { return rows_.size() < kMostWaiting; });
     rows_.push_back(std::move(row));
-    added_.notify_one();
+    if (rows_.size() >= kMostWaiting) {
+      added_.notify_one();
+    }
   }
   void workerEnds() {
     const std::scoped_lock lock(mutex_);
@@ -104,6 +106,10 @@ std::optional<std::string> runSweep(SweptModel& model, const RunTable& table, co
       hasFailed = problem.has_value();
     }
     for (const ResultRow& row : batch) {
+      if (!row.outcome.warning.empty() && (last.firstWarning.empty() || row.run < last.firstWarned)) {
+        last.firstWarned = row.run;
+        last.firstWarning = row.outcome.warning;
+      }
       if (!row.outcome.error.empty()) {
         if (last.failed++ == 0 || row.run < last.firstFailed) {
           last.firstFailed = row.run;

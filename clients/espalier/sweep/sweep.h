@@ -23,7 +23,9 @@ struct SweepProgress {
   std::uint64_t failed = 0;   // runs of this call that did not reach their end
   std::uint64_t firstFailed = 0;
   std::string firstError;  // of run firstFailed
-  double seconds = 0.0;    // since the call
+  std::uint64_t firstWarned = 0;
+  std::string firstWarning;  // of run firstWarned; empty: the model and the measures gave no warning
+  double seconds = 0.0;      // since the call
 };
 
 /// Makes all runs of the slice that `results` does not have, with `workers` threads. Rows are added in transactions of

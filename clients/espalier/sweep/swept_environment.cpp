@@ -122,8 +122,10 @@ std::optional<std::string> SweptEnvironment::check(const std::vector<SweepParame
     const std::string place = "parameters." + parameter.name + ": ";
     if (configuration_.empty()) {
       return place +
-             "the model has no environment whose configuration is JSON: give 'environment' in the plan, as "
-             "{\"type\":\"honda\"}";
+             (maker_
+                  ? "the environment of the model is a file or a program without JSON, whose numbers no plan can change"
+                  : "the model has no environment") +
+             ": give 'environment' in the plan, as {\"type\":\"honda\",\"radius\":0.9}";
     }
     try {
       const json::json_pointer pointer(parameter.target);
@@ -138,23 +140,20 @@ std::optional<std::string> SweptEnvironment::check(const std::vector<SweepParame
              "' is no JSON pointer: give one as /0/radius, or /radius of a single environment";
     }
   }
-  const auto made = forRun(none);
+  const auto made = prepare(none);
   return made ? std::nullopt : std::optional(made.error());
 }
 
-Result<std::unique_ptr<turtle::EnvironmentProcess>> SweptEnvironment::forRun(
-    std::span<const std::pair<std::string, double>> settings) {
+Result<bool> SweptEnvironment::prepare(std::span<const std::pair<std::string, double>> settings) {
   if (configuration_.empty()) {
-    if (!maker_) {
-      return std::unique_ptr<turtle::EnvironmentProcess>();
+    if (!maker_ || process_) {
+      return false;
     }
-    if (!process_) {
-      process_ = maker_();
-    }
-    if (!process_) {
-      return problem("the environment cannot be made");
-    }
-    return std::make_unique<LentEnvironment>(*process_);
+    process_ = maker_();
+    return process_ ? Result<bool>(true) : problem("the environment cannot be made");
+  }
+  if (made_ && settings.empty()) {
+    return false;
   }
   std::string wanted;
   try {
@@ -162,15 +161,20 @@ Result<std::unique_ptr<turtle::EnvironmentProcess>> SweptEnvironment::forRun(
   } catch (const std::exception&) {
     return problem("the environment has no place for a parameter of the plan: correct its JSON pointer");
   }
-  if (!process_ || wanted != made_) {
-    auto made = makeConfigured(wanted);
-    if (!made || !*made) {
-      return made;
-    }
-    process_ = std::move(*made);
-    made_ = std::move(wanted);
+  if (made_ == wanted) {
+    return false;
   }
-  return std::make_unique<LentEnvironment>(*process_);
+  auto made = makeConfigured(wanted);
+  if (!made) {
+    return problem(made.error());
+  }
+  process_ = std::move(*made);
+  made_ = std::move(wanted);
+  return true;
+}
+
+std::unique_ptr<turtle::EnvironmentProcess> SweptEnvironment::lend() {
+  return process_ ? std::make_unique<LentEnvironment>(*process_) : nullptr;
 }
 
 }  // namespace espalier::command

@@ -34,15 +34,16 @@ class SweptEnvironment {
   /// The problem with JSON pointers and the environment itself, or nothing.
   [[nodiscard]] std::optional<std::string> check(const std::vector<SweepParameter>& parameters);
 
-  /// A process for the next run, in its initial state after its open(). Valid until the next call. `settings` are JSON
-  /// pointers and values. Null without an environment.
-  [[nodiscard]] Result<std::unique_ptr<turtle::EnvironmentProcess>> forRun(
-      std::span<const std::pair<std::string, double>> settings);
+  /// Makes the process for the next run, in its initial state after its open(), unless the one of the last run will do.
+  /// `settings` are JSON pointers and values. True: it is another one than before.
+  [[nodiscard]] Result<bool> prepare(std::span<const std::pair<std::string, double>> settings);
+  /// Passes every call to the process. Valid until prepare() makes another one. Null without an environment.
+  [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> lend();
 
  private:
   std::string configuration_;
   EnvironmentMaker maker_;
-  std::string made_;  // the configuration of process_
+  std::optional<std::string> made_;  // the configuration of process_
   std::unique_ptr<turtle::EnvironmentProcess> process_;
 };
 

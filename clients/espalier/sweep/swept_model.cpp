@@ -221,7 +221,7 @@ ModelRunner::ModelRunner(SweptModel& model)
     : model_(model), environment_(model.input().configuration, model.input().environmentMaker) {}
 
 // the Program with the macros and start values of a row; an error sentence, or nothing
-std::optional<std::string> ModelRunner::prepare(std::span<const double> row) {
+std::optional<std::string> ModelRunner::prepareVariant(std::span<const double> row) {
   Result<std::shared_ptr<const ModelVariant>> variant = model_.variantFor(row);
   if (!variant) {
     return variant.error();
@@ -233,11 +233,13 @@ std::optional<std::string> ModelRunner::prepare(std::span<const double> row) {
     }
   }
   if (variant_ != *variant) {
-    variant_ = *variant;
+    simulation_.reset();
     startValues_.reset();
+    variant_ = *variant;
     if (!values.empty()) {
       const Result<std::vector<std::size_t>> slots = model_.variableSlots(*variant_->program);
       if (!slots) {
+        variant_.reset();
         return slots.error();
       }
       startValues_.emplace(*variant_->program, *slots);
@@ -249,35 +251,57 @@ std::optional<std::string> ModelRunner::prepare(std::span<const double> row) {
   return std::nullopt;
 }
 
-// grows the plant of a row and takes its measures; the sentence about a failure, or nothing
-std::string ModelRunner::grow(std::span<const double> row, std::uint64_t seed, std::uint64_t run,
-                              const PlantVisitor& visit, std::vector<double>& values) {
-  if (auto mistake = prepare(row)) {
-    return *mistake;
-  }
+// the environment with the settings of a row; an error sentence, or nothing
+std::optional<std::string> ModelRunner::prepareEnvironment(std::span<const double> row) {
   std::vector<std::pair<std::string, double>> settings;
   for (std::size_t i = 0; i < row.size(); ++i) {
     if (model_.plan().parameters[i].kind == ParameterKind::Environment) {
       settings.emplace_back(model_.plan().parameters[i].target, row[i]);
     }
   }
-  auto environment = environment_.forRun(settings);
-  if (!environment) {
-    return environment.error();
+  const Result<bool> isAnother = environment_.prepare(settings);
+  if (!isAnother) {
+    return isAnother.error();
   }
-  simulation::SimulationOptions options;
-  options.name = "run " + std::to_string(run);
-  options.seed = seed;
-  options.hasSeed = true;
-  options.derivationLength = model_.plan().steps;
-  options.limits = model_.input().model.limits;
-  options.palette = model_.input().palette;
-  options.fileWriter = std::make_shared<NoFiles>();
-  simulation::Simulation simulation(startValues_ ? startValues_->program() : variant_->program,
-                                    std::vector<turtle::PlantPlacement>(1), std::move(*environment),
-                                    std::move(options));
+  if (*isAnother) {
+    simulation_.reset();
+  }
+  return std::nullopt;
+}
+
+// a simulation for a row, whatever its seed
+std::optional<std::string> ModelRunner::prepare(std::span<const double> row) {
+  if (auto mistake = prepareVariant(row)) {
+    return mistake;
+  }
+  if (auto mistake = prepareEnvironment(row)) {
+    return mistake;
+  }
+  if (!simulation_) {
+    simulation::SimulationOptions options;
+    options.name = "sweep";
+    options.derivationLength = model_.plan().steps;
+    options.limits = model_.input().model.limits;
+    options.palette = model_.input().palette;
+    options.fileWriter = std::make_shared<NoFiles>();
+    options.messages = [this](core::MessageKind kind, std::string_view text) {
+      if (kind == core::MessageKind::Warning && warning_.empty()) {
+        warning_ = text;
+      }
+    };
+    simulation_ = std::make_unique<simulation::Simulation>(startValues_ ? startValues_->program() : variant_->program,
+                                                           std::vector<turtle::PlantPlacement>(1), environment_.lend(),
+                                                           std::move(options));
+  }
+  return std::nullopt;
+}
+
+// grows the plant of the prepared simulation and takes its measures; the sentence about a failure, or nothing
+std::string ModelRunner::grow(std::uint64_t seed, std::uint64_t run, const PlantVisitor& visit,
+                              std::vector<double>& values) {
+  simulation::Simulation& simulation = *simulation_;
   const Measures& measures = variant_->measures;
-  std::optional<core::SimulationError> failure = simulation.rewind();
+  std::optional<core::SimulationError> failure = simulation.rewind(seed);
   while (!failure) {
     const bool isLast = simulation.isFinished();
     if (isLast || measures.areTakenAt(simulation.completedSteps())) {
@@ -304,16 +328,21 @@ RunOutcome ModelRunner::run(std::span<const double> row, std::uint64_t seed, std
   constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
   RunOutcome outcome;
   outcome.values.assign(model_.measureColumns().size(), kNoValue);
+  warning_.clear();
   try {
-    outcome.error = grow(row, seed, run, visit, outcome.values);
+    const std::optional<std::string> mistake = prepare(row);
+    outcome.error = mistake ? *mistake : grow(seed, run, visit, outcome.values);
   } catch (const std::bad_alloc&) {
     outcome.error = "there is not enough memory: use fewer workers, or a limit of the plan";
   } catch (const std::exception& error) {
     outcome.error = std::string("this is a bug of Espalier, please report it: ") + error.what();
   }
   if (!outcome.error.empty()) {
+    // its memory may be large
+    simulation_.reset();
     outcome.values.assign(outcome.values.size(), kNoValue);
   }
+  outcome.warning = std::move(warning_);
   outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return outcome;
 }

@@ -78,17 +78,21 @@ class SweptModel {
 struct RunOutcome {
   std::vector<double> values;  // by measure; not a number: the plant has no such value
   std::string error;           // empty: the run reached its end
+  std::string warning;         // the first of the run that the runner has not given before; not kept in results
   double seconds = 0.0;        // wall time
 };
 
 /// Called with a finished plant, for files that are kept. A sentence when it fails.
 using PlantVisitor = std::function<std::optional<std::string>(const simulation::Simulation&, std::uint64_t run)>;
 
-/// Makes runs of a model one after another: one worker.
+/// Makes runs of a model one after another: one worker. Runs of one Program and one environment share a simulation,
+/// which is set back for each of them.
 class ModelRunner {
  public:
   /// `model` must outlive the object.
   explicit ModelRunner(SweptModel& model);
+  ModelRunner(const ModelRunner&) = delete;
+  ModelRunner& operator=(const ModelRunner&) = delete;
 
   /// One run. `run` is its number, for `visit`, which may be empty.
   [[nodiscard]] RunOutcome run(std::span<const double> row, std::uint64_t seed, std::uint64_t run,
@@ -96,13 +100,18 @@ class ModelRunner {
 
  private:
   [[nodiscard]] std::optional<std::string> prepare(std::span<const double> row);
-  [[nodiscard]] std::string grow(std::span<const double> row, std::uint64_t seed, std::uint64_t run,
-                                 const PlantVisitor& visit, std::vector<double>& values);
+  [[nodiscard]] std::optional<std::string> prepareVariant(std::span<const double> row);
+  [[nodiscard]] std::optional<std::string> prepareEnvironment(std::span<const double> row);
+  [[nodiscard]] std::string grow(std::uint64_t seed, std::uint64_t run, const PlantVisitor& visit,
+                                 std::vector<double>& values);
 
   SweptModel& model_;
   SweptEnvironment environment_;
   std::shared_ptr<const ModelVariant> variant_;
   std::optional<StartValues> startValues_;  // of variant_, when parameters are variables
+  std::string warning_;                     // of the present run
+  // of variant_ and the process of environment_; null: the next run makes it
+  std::unique_ptr<simulation::Simulation> simulation_;
 };
 
 }  // namespace espalier::command

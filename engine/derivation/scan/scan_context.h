@@ -53,7 +53,7 @@ struct ScanContext {
 
   // the same in every step
   const language::Program& program;
-  const DerivationOptions options;
+  DerivationOptions options;                // only the seed changes, between runs
   const std::vector<SystemTables>& tables;  // by L-system
   RandomSource random;
   Evaluator evaluator;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -137,6 +138,31 @@ std::vector<core::Diagnostic> neededFiles(const Program& program, const std::vec
     error.hint = needed;
   }
   return errors;
+}
+
+std::vector<core::Diagnostic> undefinedSurfaces(const Program& program, const std::vector<UnusableFile>& unusable) {
+  std::set<int> known;
+  const auto add = [&known](const auto& surface) { known.insert(surface.id); };
+  std::ranges::for_each(program.view.surfaces, add);
+  std::ranges::for_each(program.view.triangleSurfaces, add);
+  for (const UnusableFile& file : unusable) {
+    if (file.kind == UnusableFile::Kind::Surface) {
+      known.insert(file.id);
+    }
+  }
+  std::vector<core::Diagnostic> warnings;
+  for (const Need& need : needsOf(program)) {
+    if (need.kind == UnusableFile::Kind::Surface && known.insert(*need.id).second) {
+      const std::string name(1, static_cast<char>(*need.id));
+      core::Diagnostic& warning = warnings.emplace_back();
+      warning.severity = core::Severity::Warning;
+      warning.location = program.sourceMap.locate(need.range);
+      warning.message = "the surface '~" + name + "' is not defined and is not drawn";
+      warning.hint =
+          "write 'surface: " + name + " FILE.s' into the view file, which has the model's name and the suffix .v";
+    }
+  }
+  return warnings;
 }
 
 }  // namespace espalier::language

@@ -15,4 +15,8 @@ namespace espalier::language {
 [[nodiscard]] std::vector<core::Diagnostic> neededFiles(const Program& program,
                                                         const std::vector<UnusableFile>& unusable);
 
+/// A warning for each surface `~x` of an axiom or successor that the view file does not name, at its first place.
+[[nodiscard]] std::vector<core::Diagnostic> undefinedSurfaces(const Program& program,
+                                                              const std::vector<UnusableFile>& unusable);
+
 }  // namespace espalier::language

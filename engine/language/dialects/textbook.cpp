@@ -19,54 +19,6 @@ constexpr double kMostSteps = 1e6;
 constexpr double kProbabilityTolerance = 0.0101;  // a third may be printed as 0.33
 constexpr std::string_view kShape = "shape ";
 
-// a piece without the probability at its end, `F .5`; the probability, or an empty piece
-TextPiece takeProbability(TextPiece& left) {
-  const std::size_t last = left.text.find_last_not_of("0123456789./% ");
-  const std::string_view end = left.text.substr(last == std::string_view::npos ? 0 : last + 1);
-  const std::size_t blank = end.find(' ');
-  // a number behind an operator belongs to the condition
-  const bool isBehindOperand =
-      last != std::string_view::npos && (std::isalnum(static_cast<unsigned char>(left.text[last])) != 0 ||
-                                         left.text[last] == ')' || left.text[last] == ']');
-  const std::size_t begin = end.starts_with('.') ? 0 : blank;
-  if (!isBehindOperand || begin == std::string_view::npos) {
-    return {};
-  }
-  const TextPiece number = left.from(last + 1 + begin).trimmed();
-  const bool isProbability = number.text.find_first_of("./%") != std::string_view::npos || number.text == "1";
-  if (!isProbability || !textbookNumber(number.text)) {
-    return {};
-  }
-  left = left.to(last + 1 + begin).trimmed();
-  return number;
-}
-
-// the same at the beginning of a successor: `.5 F[+F]F`
-TextPiece takeFrontProbability(TextPiece& right) {
-  const std::size_t end = right.text.find(' ');
-  if (end == std::string_view::npos || right.text.find_first_not_of("0123456789./%") != end) {
-    return {};
-  }
-  const TextPiece number = right.to(end);
-  if (number.text.find_first_of(".%") == std::string_view::npos || !textbookNumber(number.text)) {
-    return {};
-  }
-  right = right.from(end).trimmed();
-  return number;
-}
-
-// the colon or semicolon before the condition of a production
-std::size_t conditionMark(std::string_view left) {
-  int depth = 0;
-  for (std::size_t at = 0; at < left.size(); ++at) {
-    depth += left[at] == '(' ? 1 : left[at] == ')' ? -1 : 0;
-    if (depth == 0 && (left[at] == ':' || left[at] == ';')) {
-      return at;
-    }
-  }
-  return std::string_view::npos;
-}
-
 class TextbookReader {
  public:
   TextbookReader(std::string_view text, const TextbookExtension& extension, DialectReport& report)
@@ -212,6 +164,10 @@ class TextbookReader {
       const auto setting = settingOf({std::string(macro.to(at).text) + ":", 0});
       if (setting && setting->setting == Setting::Steps && textbookNumber(value.text)) {
         readSteps(value);
+      } else if (setting && setting->setting == Setting::Angle && !modules_.isConstant(name) &&
+                 textbookNumber(value.text)) {
+        model_.angleDegrees = *textbookNumber(value.text);
+        hasAngle_ = true;
       } else if (!modules_.isConstant(name)) {
         model_.items.push_back(MappedText().copy(statement.text, statement.offset));
       }
@@ -358,7 +314,8 @@ class TextbookReader {
     if (const auto head = TextbookModules::levelled(left)) {
       return addRecurrence(*head, left, right);
     }
-    TextPiece written = takeProbability(left);
+    const bool isJoined = arrow->first > 0 && production.text[arrow->first - 1] != ' ';
+    TextPiece written = takeProbability(left, isJoined);
     const std::size_t mark = conditionMark(left.text);
     const TextPiece front = withoutAnyContext(left.to(mark).trimmed());
     const bool isIdentity = front.text == right.text && (front.text == "[" || front.text == "]");

@@ -189,6 +189,17 @@ MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift
       at = begin + length;
       continue;
     }
+    // `0.3` or ` .3`: a number, and no vertex of a polygon between digits
+    if (c == '.' && at < text.size() && isDigit(text[at]) &&
+        (begin == 0 || isDigit(text[begin - 1]) || text[begin - 1] == ' ')) {
+      const std::size_t last = std::min(text.find_first_not_of("0123456789", at), text.size());
+      const std::size_t first = text.substr(0, begin).find_last_not_of("0123456789") + 1;
+      report_.error(piece.offset + first, last - first,
+                    "the number " + std::string(text.substr(first, last - first)) + " cannot be a module",
+                    "a probability stands behind the production, as in 'F → F[+F]F : 0.33'");
+      at = last;
+      continue;
+    }
     // two slashes in a row would begin a comment
     if (symbol == "/" && std::string_view(result.text()).ends_with('/')) {
       result.make(" ", offset);

@@ -42,6 +42,7 @@ constexpr std::array kSettings = {
     SettingName{"angle increment", Setting::Angle},
     SettingName{"turn angle", Setting::Angle},
     SettingName{"turning angle", Setting::Angle},
+    SettingName{"angle of rotation", Setting::Angle},
     SettingName{"rotation", Setting::Angle},
     SettingName{"b", Setting::Angle},
     SettingName{"n", Setting::Steps},
@@ -50,6 +51,7 @@ constexpr std::array kSettings = {
     SettingName{"iterations", Setting::Steps},
     SettingName{"iteration", Setting::Steps},
     SettingName{"number of iterations", Setting::Steps},
+    SettingName{"iter", Setting::Steps},
     SettingName{"generations", Setting::Steps},
     SettingName{"generation", Setting::Steps},
     SettingName{"recursions", Setting::Steps},
@@ -157,6 +159,24 @@ void replaceSigns(std::string& text) {
       text[before - 3] = ' ';
     }
   }
+}
+
+// braces around the whole text: `{ axiom: F … }`
+void blankOuterBraces(std::string& text) {
+  const std::size_t open = text.find_first_not_of(" \t\r\n");
+  const std::size_t close = text.find_last_not_of(" \t\r\n;");
+  if (open == std::string::npos || text[open] != '{' || text[close] != '}') {
+    return;
+  }
+  int depth = 0;
+  for (std::size_t at = open; at < close; ++at) {
+    depth += text[at] == '{' ? 1 : text[at] == '}' ? -1 : 0;
+    if (depth == 0) {
+      return;
+    }
+  }
+  text[open] = ' ';
+  text[close] = ' ';
 }
 
 bool isRuleValue(std::string_view value) {
@@ -273,6 +293,35 @@ TextPiece withoutCaptionLabel(const TextPiece& line) {
   return isLabel ? line.from(open + 2).trimmed() : line;
 }
 
+// the text up to the next comma or semicolon outside of brackets
+TextPiece firstPartOf(const TextPiece& text) {
+  int depth = 0;
+  std::size_t end = 0;
+  for (; end < text.text.size() && (depth > 0 || (text.text[end] != ',' && text.text[end] != ';')); ++end) {
+    depth += depthChange(text.text[end]);
+  }
+  return text.to(end).trimmed();
+}
+
+// a line with an arrow: `axiom: F; F -> F+F; angle: 60` has three statements, `A(x); x > 2 -> F` one
+void addProductions(const TextPiece& line, std::vector<TextPiece>& statements) {
+  const auto divides = [&line](const TextPiece& part, const TextPiece& rest) {
+    // an axiom may have commas, and a condition semicolons
+    const bool isSemicolon = line.text[rest.offset - line.offset - 1] == ';';
+    const TextPiece next = firstPartOf(rest);
+    const auto setting = settingOf(next);
+    const bool hasArrow = arrowOf(isSemicolon && !setting ? rest.text : next.text).has_value();
+    const auto before = arrowOf(part.text) ? std::nullopt : settingOf(part);
+    const bool isPlain = before && before->setting != Setting::Productions;
+    const bool isBegun = isPlain || arrowOf(part.text);
+    const bool isHeading = setting && setting->setting == Setting::Productions && setting->name.size() > 2;
+    return isBegun && (hasArrow ? isPlain || isHeading : setting.has_value());
+  };
+  for (const TextPiece& part : partsOf(line, divides)) {
+    statements.push_back(part);
+  }
+}
+
 void addSettings(const TextPiece& line, std::vector<TextPiece>& statements) {
   const auto beginsSetting = [](const TextPiece&, const TextPiece& rest) {
     const std::size_t equals = rest.text.find_first_of("=:,;");
@@ -305,6 +354,7 @@ std::string plainTextbook(std::string_view text) {
   std::string plain(text);
   blankComments(plain);
   replaceSigns(plain);
+  blankOuterBraces(plain);
   markEqualsRules(plain);
   return plain;
 }
@@ -343,7 +393,7 @@ std::vector<TextPiece> textbookStatements(std::string_view text) {
       TextPiece& last = statements.back();
       last.text = text.substr(last.offset, code.offset + code.text.size() - last.offset);
     } else if (arrow) {
-      statements.push_back(code);
+      addProductions(code, statements);
     } else {
       addSettings(code, statements);
     }
@@ -471,12 +521,7 @@ std::vector<TextPiece> productionsOf(TextPiece value) {
   // a comma ends a production when the text behind it, up to the next comma, has an arrow; the semicolon before a
   // condition stands before the arrow
   const auto beginsProduction = [](const TextPiece& part, const TextPiece& rest) {
-    int depth = 0;
-    std::size_t end = 0;
-    for (; end < rest.text.size() && (depth > 0 || (rest.text[end] != ',' && rest.text[end] != ';')); ++end) {
-      depth += depthChange(rest.text[end]);
-    }
-    return arrowOf(part.text) && (rest.trimmed().empty() || arrowOf(rest.text.substr(0, end)));
+    return arrowOf(part.text) && (rest.trimmed().empty() || arrowOf(firstPartOf(rest).text));
   };
   std::vector<TextPiece> parts = partsOf(value, beginsProduction);
   for (TextPiece& part : parts) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "engine/language/dialects/textbook_modules.h"
 #include "engine/language/dialects/textbook_statements.h"
 
 namespace espalier::language {
@@ -53,7 +54,102 @@ std::vector<std::string_view> predecessorWords(const TextPiece& statement) {
   return words;
 }
 
+// `.5`, `1/3`, `50%`, `1`: no other whole number
+bool isProbability(std::string_view number) {
+  const bool isPart = number.find_first_of("./%") != std::string_view::npos || number == "1";
+  return isPart && textbookNumber(number).has_value();
+}
+
+// a number behind an operator belongs to the condition
+bool endsOperand(std::string_view text) {
+  return !text.empty() && (isLatinLetter(text.back()) || std::isdigit(static_cast<unsigned char>(text.back())) != 0 ||
+                           text.back() == ')' || text.back() == ']');
+}
+
+TextPiece withoutDashes(const TextPiece& left) {
+  const std::size_t last = left.text.find_last_not_of("- ");
+  return left.to(last == std::string_view::npos ? 0 : last + 1);
+}
+
+// `F (0.5)`, and `F -(0.5)` joined to the arrow; `F(0.5)` has a parameter
+TextPiece takeBracketed(TextPiece& left, bool isJoined) {
+  const std::size_t open = left.text.ends_with(')') ? left.text.rfind('(') : std::string_view::npos;
+  if (open == std::string_view::npos) {
+    return {};
+  }
+  const TextPiece number = left.from(open + 1).to(left.text.size() - open - 2).trimmed();
+  const TextPiece front = left.to(open).trimmed();
+  const TextPiece rest = isJoined ? withoutDashes(front) : front;
+  const bool isInArrow = rest.text.size() < front.text.size();
+  const bool isBehindBlank = front.text.size() < open || isInArrow;
+  const bool hasCondition = conditionMark(left.text) != std::string_view::npos;
+  if (!isBehindBlank || rest.empty() || !isProbability(number.text) || (hasCondition && !endsOperand(rest.text))) {
+    return {};
+  }
+  left = rest;
+  return number;
+}
+
+// `F .5`, and `F -.5` joined to the arrow
+TextPiece takeNumber(TextPiece& left, bool isJoined) {
+  const std::size_t last = left.text.find_last_not_of("0123456789./% ");
+  if (last == std::string_view::npos) {
+    return {};
+  }
+  const bool isInArrow =
+      isJoined && left.text[last] == '-' && conditionMark(left.text) == std::string_view::npos && last > 0;
+  const std::string_view end = left.text.substr(last + 1);
+  const std::size_t begin = end.starts_with('.') || isInArrow ? 0 : end.find(' ');
+  if (begin == std::string_view::npos || (!isInArrow && !endsOperand(left.text.substr(0, last + 1)))) {
+    return {};
+  }
+  const TextPiece number = left.from(last + 1 + begin).trimmed();
+  if (!isProbability(number.text)) {
+    return {};
+  }
+  const TextPiece rest = left.to(last + 1 + begin).trimmed();
+  left = isInArrow ? withoutDashes(rest) : rest;
+  return number;
+}
+
 }  // namespace
+
+std::size_t conditionMark(std::string_view left) {
+  int depth = 0;
+  for (std::size_t at = 0; at < left.size(); ++at) {
+    depth += left[at] == '(' ? 1 : left[at] == ')' ? -1 : 0;
+    if (depth == 0 && (left[at] == ':' || left[at] == ';')) {
+      return at;
+    }
+  }
+  return std::string_view::npos;
+}
+
+TextPiece takeProbability(TextPiece& left, bool isJoined) {
+  // a condition that is a number
+  if (const std::size_t mark = conditionMark(left.text); mark != std::string_view::npos) {
+    const TextPiece number = left.from(mark + 1).trimmed();
+    if (number.text != "1" && isProbability(number.text)) {
+      left = left.to(mark).trimmed();
+      return number;
+    }
+  }
+  const TextPiece bracketed = takeBracketed(left, isJoined);
+  return bracketed.empty() ? takeNumber(left, isJoined) : bracketed;
+}
+
+TextPiece takeFrontProbability(TextPiece& right) {
+  const std::size_t end = right.text.find(' ');
+  if (end == std::string_view::npos || right.text.find_first_not_of("0123456789./%") != end) {
+    return {};
+  }
+  const TextPiece number = right.to(end);
+  if (number.text.find_first_of(".%") == std::string_view::npos || !textbookNumber(number.text)) {
+    return {};
+  }
+  right = right.from(end).trimmed();
+  return number;
+}
 
 std::set<std::string, std::less<>> textbookWords(const std::vector<TextPiece>& statements) {
   std::set<std::string, std::less<>> words;

@@ -24,4 +24,14 @@ namespace espalier::language {
 /// Words with blanks between them: a title or a remark.
 [[nodiscard]] bool isProse(std::string_view text);
 
+/// The place of the colon or semicolon before the condition in the left side of a production; npos: it has none.
+[[nodiscard]] std::size_t conditionMark(std::string_view left);
+
+/// Takes the probability off the left side of a production: `F .5`, `F (0.5)`, `F : 0.5`, and `F -(0.5)` or `F -0.5`
+/// when it is joined to the arrow. Returns its number; empty: there is none.
+[[nodiscard]] TextPiece takeProbability(TextPiece& left, bool isJoined);
+
+/// The same at the beginning of a successor: `.5 F[+F]F`.
+[[nodiscard]] TextPiece takeFrontProbability(TextPiece& right);
+
 }  // namespace espalier::language

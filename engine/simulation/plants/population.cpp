@@ -26,6 +26,14 @@ const std::shared_ptr<const std::vector<Plant>>& Population::sharedMembers() {
   return sharedMembers_;
 }
 
+void Population::reseed() {
+  for (const auto& derivation : derivations_) {
+    if (derivation != nullptr) {
+      derivation->setSeed(factory_->seed());
+    }
+  }
+}
+
 std::vector<Plant> Population::founders() const {
   std::vector<Plant> founders;
   for (const Plant& member : members_) {

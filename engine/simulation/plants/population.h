@@ -43,6 +43,9 @@ class Population {
   /// Of a living plant.
   [[nodiscard]] derivation::Derivation& derivation(std::size_t plant) const { return *derivations_[plant]; }
 
+  /// The factory has another seed: the next rewinds draw from it.
+  void reseed();
+
   /// The plants that were there at step 0, all alive.
   [[nodiscard]] std::vector<Plant> founders() const;
   /// Where the living plants stand.

@@ -83,11 +83,13 @@ Palette::Palette(const Scene& scene, const files::ViewSettings& view, const file
     colours_ = entries_.get();
   }
   // a view file that sets other entries, as the background, leaves the plant as it is
-  isPlain_ =
-      (colours_ == nullptr || (entries_ != nullptr && !view.colourEntries.contains(kDefaultIndex))) &&
-      std::ranges::all_of(scene.segments, [](const Segment& segment) { return segment.colour == kDefaultIndex; });
+  hasOwnLines_ = colours_ != nullptr && (entries_ == nullptr || view.colourEntries.contains(kDefaultIndex));
   for (const Segment& segment : scene.segments) {
     maximumOrder_ = std::max(maximumOrder_, segment.branchOrder);
+    if (segment.colour != kDefaultIndex) {
+      isColoured_.resize(std::max<std::size_t>(isColoured_.size(), segment.plant + std::size_t{1}));
+      isColoured_[segment.plant] = true;
+    }
   }
 }
 
@@ -102,7 +104,7 @@ std::int32_t Palette::numberOf(std::int32_t index) const {
 }
 
 std::int32_t Palette::materialOf(const Segment& segment) const {
-  return isPlain_
+  return isPlain(segment.plant)
              ? kFirstOrderMaterial + static_cast<std::int32_t>(std::min<std::uint32_t>(segment.branchOrder, 100'000))
              : numberOf(segment.colour);
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "engine/files/colour_files.h"
 #include "engine/files/view_settings.h"
@@ -25,7 +26,7 @@ struct Colour {
 /// neither has any.
 [[nodiscard]] files::Palette paletteOf(const files::ViewSettings& view, const files::Palette& folder);
 
-/// The colours of one picture: paletteOf, else Espalier's own. There a scene whose lines all have the turtle's default
+/// The colours of one picture: paletteOf, else Espalier's own. There a plant whose lines all have the turtle's default
 /// colour 128 says nothing about colour: wood is brown, paler with its order, and surfaces and polygons are leaf green.
 /// Branches of a plant without organs go from brown to green.
 class Palette {
@@ -49,9 +50,14 @@ class Palette {
   [[nodiscard]] Colour ofMaterial(std::int32_t material) const;
 
  private:
+  [[nodiscard]] bool isPlain(std::uint32_t plant) const {
+    return !hasOwnLines_ && (plant >= isColoured_.size() || !isColoured_[plant]);
+  }
+
   std::shared_ptr<const files::Palette> entries_;  // with the colours of the view file; null: none
   const files::Palette* colours_ = nullptr;
-  bool isPlain_ = false;
+  bool hasOwnLines_ = false;      // the folder or the view file has the colour of lines
+  std::vector<bool> isColoured_;  // by plant: a line has another colour than the default
   bool hasOrgans_ = false;
   std::uint32_t maximumOrder_ = 0;
 };

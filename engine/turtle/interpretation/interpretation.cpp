@@ -377,9 +377,7 @@ std::uint64_t Interpretation::executeSurface(const Sequence& sequence, std::uint
       return 2;
     }
   }
-  // a surface without a file draws nothing and the turtle stays
-  warnOnce(std::string("the surface '~") + id + "' is not defined and is not drawn: " + "write 'surface: " + id +
-           " FILE.s' into the view file, which has the model's name and the suffix .v");
+  // a surface without a file draws nothing and the turtle stays; the compiler has said so
   return 2;
 }
 

@@ -64,8 +64,9 @@ TEST(ConformanceModels, FewGiveWarnings) {
       all += core::formatDiagnostic(diagnostic) + "\n";
     }
   }
-  // two of them: 011-arity-mismatch-copies makes V(x) and V(x,y,z) where only V(x,y) is rewritten
-  EXPECT_LE(count, 14U) << all;
+  // two of them: 011-arity-mismatch-copies makes V(x) and V(x,y,z) where only V(x,y) is rewritten; one: the surface ~!
+  // of 007-symbols-odd-characters has no file
+  EXPECT_LE(count, 15U) << all;
 }
 
 // authors copy models of the gallery
@@ -76,6 +77,8 @@ TEST(GalleryModels, GiveNoWarnings) {
     if (entry.path().extension() == ".l") {
       CompileInput input;
       input.modelFile = entry.path().string();
+      const std::filesystem::path view = std::filesystem::path(entry.path()).replace_extension(".v");
+      input.viewFile = std::filesystem::exists(view) ? view.string() : "";
       const CompileResult result = compile(input, files);
       // a note says which model of a file is meant
       for (const core::Diagnostic& diagnostic : result.diagnostics.entries()) {

@@ -1,7 +1,9 @@
 #include "engine/simulation/simulation.h"
 
 #include <limits>
+#include <set>
 
+#include "engine/simulation/plants_view.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
 namespace espalier::simulation {
@@ -310,6 +312,55 @@ TEST(Simulation, RewindStartsTheSameRunAgain) {
   }
   EXPECT_EQ(run.simulation.stringText(), first);
   EXPECT_EQ(run.log->openCount, 2);
+}
+
+TEST(Simulation, RewindWithASeedGivesTheBitsOfANewSimulation) {
+  TestRun run(compileText(kAskingModel), 2);
+  expectSuccess(run.simulation.rewind());
+  const auto grow = [](Simulation& simulation) {
+    std::vector<std::uint64_t> hashes{simulation.stateHash()};
+    for (int i = 0; i < 6; ++i) {
+      expectSuccess(simulation.step());
+      EXPECT_TRUE(std::holds_alternative<turtle::Scene>(simulation.scene()));
+      hashes.push_back(simulation.stateHash());
+    }
+    return hashes;
+  };
+  std::set<std::uint64_t> ends{grow(run.simulation).back()};
+  for (const std::uint64_t seed : {17, 3, 17}) {
+    expectSuccess(run.simulation.rewind(seed));
+    EXPECT_EQ(run.simulation.seed(), seed);
+    EXPECT_EQ(run.log->context.seed, seed);
+    SimulationOptions options;
+    options.seed = seed;
+    options.hasSeed = true;
+    TestRun fresh(compileText(kAskingModel), 2, options);
+    expectSuccess(fresh.simulation.rewind());
+    const std::vector<std::uint64_t> hashes = grow(run.simulation);
+    EXPECT_EQ(hashes, grow(fresh.simulation));
+    EXPECT_EQ(run.simulation.takeView()->options->seed, seed);
+    ends.insert(hashes.back());
+  }
+  EXPECT_EQ(ends.size(), 3U);
+}
+
+TEST(Simulation, AFailingRewindKeepsTheSeed) {
+  // Start fails with about half of the seeds
+  TestRun run(compileText(
+      "Lsystem: 1\nseed: 5\nderivation length: 2\nStart: {c=ran(1); if (c>0.5) {c=exp(10000);}}\nAxiom: A(c)\n"
+      "A(x) --> A(x+ran(1))\nendlsystem\n"));
+  std::uint64_t good = 0;
+  while (run.simulation.rewind(++good).has_value() && good < 100) {
+  }
+  std::uint64_t bad = good;
+  while (!run.simulation.rewind(++bad).has_value() && bad < 200) {
+    good = bad;
+  }
+  ASSERT_LT(bad, 200U);
+  EXPECT_EQ(run.simulation.seed(), good);
+  expectSuccess(run.simulation.rewind());
+  EXPECT_EQ(run.simulation.seed(), good);
+  expectSuccess(run.simulation.rewind(good));
 }
 
 TEST(Simulation, TheViewVolumeIsTheBoundingBoxOfTheStringThatAStepReads) {

@@ -114,12 +114,18 @@ function modelPainting(geometry: Geometry, palette: ModelPalette | null): Painti
   const colours = geometry.segments.column("Colour");
   const organColours = geometry.organs.column("Colour");
   const orders = geometry.segments.column("Order");
-  const isPlain = !palette?.isOfModel && colours.every((colour) => colour === DEFAULT_COLOUR);
+  const plants = geometry.segments.column("Plant");
+  const coloured = new Set<number>();
+  for (let i = 0; i < colours.length; ++i) {
+    if (palette?.isOfModel || colours[i] !== DEFAULT_COLOUR) {
+      coloured.add(plants[i]);
+    }
+  }
   const highest = Math.max(largest(orders), 1);
   const table = palette?.colours.map(packed) ?? [];
   const leaf = packed(LEAF);
   return {
-    segment: isPlain ? (i) => mixed(TRUNK, TWIG, orders[i] / highest) : (i) => table[colours[i] & 255] ?? leaf,
+    segment: (i) => (coloured.has(plants[i]) ? (table[colours[i] & 255] ?? leaf) : mixed(TRUNK, TWIG, orders[i] / highest)),
     organ: (i) => (!palette?.isOfModel && organColours[i] === DEFAULT_COLOUR ? leaf : (table[organColours[i] & 255] ?? leaf)),
     legend: null,
   };

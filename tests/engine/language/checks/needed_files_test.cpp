@@ -54,6 +54,23 @@ TEST(NeededFiles, AFileThatTheModelDoesNotDrawStaysAWarning) {
   EXPECT_EQ(result.warningCount, 3U);
 }
 
+TEST(NeededFiles, ASurfaceThatNoFileDefinesIsAWarningAtItsFirstPlace) {
+  core::MemoryFileProvider files({{"m.l", model("A --> F[+~l][-~l]~k A\nhomomorphism\nA --> ~l")}});
+  CompileInput input;
+  input.modelFile = "m.l";
+  const CompileResult result = compile(input, files);
+  ASSERT_NE(result.program, nullptr);
+  Messages messages;
+  for (const core::Diagnostic& diagnostic : result.diagnostics.entries()) {
+    messages.push_back(brief(diagnostic));
+  }
+  const std::string end = " FILE.s' into the view file, which has the model's name and the suffix .v";
+  EXPECT_EQ(messages,
+            (Messages{"3:11: warning: the surface '~l' is not defined and is not drawn | write 'surface: l" + end,
+                      "3:19: warning: the surface '~k' is not defined and is not drawn | write 'surface: k" + end}));
+  EXPECT_EQ(compiled("tsurface: l good.obj 1\n", "A --> ~l").warningCount, 0U);
+}
+
 TEST(NeededFiles, AnotherFileOfTheSameNameServes) {
   EXPECT_TRUE(compiled("surface: l none.s 1\nsurface: l good.obj 1\n", "A --> ~l").isCompiled);
 }

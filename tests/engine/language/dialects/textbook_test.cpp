@@ -27,6 +27,42 @@ TEST(Textbook, ReadsEveryWayOfWritingAProduction) {
       contains(cpfgText("WM = 0\nPM = {0 → 1[0]0, 1 → 1, [ → [, ] → ]}\n"), "0 --> 1[0]0\n1 --> 1\nendlsystem"));
 }
 
+TEST(Textbook, ProbabilitiesStandInMostPlacesOfAProduction) {
+  const std::string plain = cpfgText("ω: A\nA → F[+A]A : 0.4\nA → FA : 0.6\n");
+  const auto both = [](const std::string& first, const std::string& second) {
+    return cpfgText("ω: A\n" + first + "\n" + second + "\n");
+  };
+  EXPECT_EQ(both("A (0.4) → F[+A]A", "A (0.6) → FA"), plain);
+  EXPECT_EQ(both("p1: A (0.4) -> F[+A]A", "p2: A ( 0.6 ) -> FA"), plain);
+  EXPECT_EQ(both("A -(0.4)-> F[+A]A", "A -(0.6)-> FA"), plain);
+  EXPECT_EQ(both("A --(0.4)--> F[+A]A", "A −(0.6)→ FA"), plain);
+  EXPECT_EQ(both("A -0.4-> F[+A]A", "A -0.6-> FA"), plain);
+  EXPECT_EQ(both("A : 0.4 → F[+A]A", "A : 0.6 → FA"), plain);
+  EXPECT_TRUE(contains(cpfgText("ω: A(1)\nA(l) : l>1 (0.4) → F(l)\nA(l) (60%) → A(l)\n"),
+                       "A(l) : l>1 --> F(l) : 0.4\nA(l) --> A(l) : 0.6\n"));
+  // a condition that ends with a number has no probability
+  EXPECT_TRUE(contains(cpfgText("ω: A(1)\nA(l) : l>(0.5) → F(l)\nA(l) : l>-0.5 → F\nA(l) : 1 → F\n"),
+                       "A(l) : l>(0.5) --> F(l)\nA(l) : l>-0.5 --> F\nA(l) : 1 --> F\n"));
+}
+
+TEST(Textbook, ANumberAmongModulesIsAnError) {
+  const std::string end = " cannot be a module | a probability stands behind the production, as in 'F → F[+F]F : 0.33'";
+  EXPECT_EQ(foreignMessages("ω: A\nA → FB [0.3]\n"), Messages{"2:11: error: the number 0.3" + end});
+  EXPECT_EQ(foreignMessages("ω: A\nA → FB p .3 C\n").front(), "2:12: error: the number .3" + end);
+  EXPECT_EQ(foreignMessages("ω: A\nA {0.3} → FB\n").front(), "2:4: error: the number 0.3" + end);
+  EXPECT_TRUE(contains(cpfgText("ω: L\nL → {.f+f.+f1.}\n"), "L --> {.f+f.+f1.}\n"));
+}
+
+TEST(Textbook, StatementsMayStandInBracesAndOnOneLine) {
+  const std::string plain = cpfgText("axiom: F\nF -> F+F--F+F\nangle: 60\nn: 2\n");
+  EXPECT_EQ(cpfgText("{axiom: F; F -> F+F--F+F; angle: 60; n: 2}\n"), plain);
+  EXPECT_EQ(cpfgText("{ axiom: F\n  F -> F+F--F+F\n  angle: 60\n  n: 2 }\n"), plain);
+  EXPECT_EQ(cpfgText("axiom: F, rules: F -> F+F--F+F, angle: 60, n: 2\n"), plain);
+  EXPECT_EQ(cpfgText("angle: 60; n: 2; axiom: F; rules: (F -> F+F--F+F)\n"), plain);
+  EXPECT_TRUE(contains(cpfgText("ω: A(1); A(d) : d != 2 → A(d+1); A(d) : d = 2 → F\n"),
+                       "A(d) : d != 2 --> A(d+1)\nA(d) : d == 2 --> F\n"));
+}
+
 TEST(Textbook, AnyNeighbourIsNoContext) {
   // Hogeweg and Hesper's models, as The Algorithmic Beauty of Plants prints them
   const std::string text = cpfgText("ω : F1F1\np1 : 0 < 1 > 1 → 1F1\np9 : * < + > * → −\np10 : * < − > 0 → +\n");

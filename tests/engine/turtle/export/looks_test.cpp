@@ -73,6 +73,25 @@ TEST(LineLook, TablesHaveTheWidthsOfTheModel) {
   EXPECT_EQ(run.records.back().width, 1.0);
 }
 
+TEST(Palette, APlantWithoutColoursIsBrownBesideOneThatHasColours) {
+  Scene scene = drawn("F[+F];(40)F");
+  const std::size_t count = scene.segments.size();
+  for (Segment& segment : scene.segments) {
+    segment.plant = 3;
+  }
+  const Scene plain = drawn("F[+F]");
+  scene.segments.insert(scene.segments.end(), plain.segments.begin(), plain.segments.end());
+  const Palette palette(scene, {});
+  const auto isDefault = [&](const Segment& segment) {
+    const Colour colour = palette.ofSegment(segment);
+    const Colour green = defaultColour(128);
+    return colour.red == green.red && colour.green == green.green && colour.blue == green.blue;
+  };
+  EXPECT_TRUE(isDefault(scene.segments[0])) << "the plant uses the ramp of colours";
+  EXPECT_FALSE(isDefault(scene.segments[count]));
+  EXPECT_GT(palette.ofSegment(scene.segments[count]).red, palette.ofSegment(scene.segments[count]).green);
+}
+
 TEST(Palette, WoodOfAPlantWithLeavesIsBrownAndTheLeavesAreGreen) {
   const Scene scene = drawn("F[+F[+F[+F{.f+f+f}]]]");
   const Palette palette(scene, {});

@@ -206,11 +206,7 @@ TEST(Interpretation, ASurfaceMovesToItsEndPointByTheFirstFactor) {
   run.draw();
   ASSERT_EQ(run.scene.surfaces.size(), 1U);
   EXPECT_EQ(run.scene.surfaces[0].scale, (core::Vec3{2, 3, 4}));
-  ASSERT_EQ(run.messages.size(), 1U);
-  EXPECT_EQ(
-      run.messages[0],
-      "the surface '~q' is not defined and is not drawn: write 'surface: q FILE.s' into the view file, which has the "
-      "model's name and the suffix .v");
+  EXPECT_TRUE(run.messages.empty());
 }
 
 TEST(Interpretation, ATextureThatTheViewFileDoesNotHaveIsSaidOnce) {
