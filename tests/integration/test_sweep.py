@@ -121,6 +121,18 @@ class Sweep(unittest.TestCase):
         alone = espalier("derive", self.file("random.l"), "--define", "P=" + row["P"], "--seed", row["seed"], "--quiet").stdout
         self.assertEqual(alone.count("F"), int(row["n"]))
 
+    def test_a_run_with_an_environment_does_not_depend_on_the_runs_before_it(self) -> None:
+        # a worker sets one simulation and its environment back for each run; a slice of one run makes them anew
+        for model in ("crowded-bush", "leaf-economy", "roots-in-soil", "self-organizing-tree"):
+            plan = self.plan(model=str(GALLERY / model), steps=5, replicates=4,
+                             measures={"n": {"count": "*"}, "height": {"plant": "height"}, "low": {"plant": "lowest"}})
+            self.sweep(plan, "-o", self.file(f"{model}.sqlite"), "--workers", "1", "--quiet")
+            parts = [self.file(f"{model}-{k}.sqlite") for k in range(1, 5)]
+            for k, part in enumerate(parts, 1):
+                self.sweep(plan, "-o", part, "--slice", f"{k}/4", "--quiet")
+            self.sweep("merge", *parts, "-o", self.file(f"{model}-all.sqlite"))
+            self.assertEqual(self.hash(self.file(f"{model}.sqlite")), self.hash(self.file(f"{model}-all.sqlite")), model)
+
     def test_a_variable_replaces_what_start_assigns_and_start_computes_with_it(self) -> None:
         rows = self.results(model="tree.l", runs={"rows": [{"w": 10}, {"w": 20}]},
                             measures={"half": {"variable": "half"}, "width": {"maximum": "d", "of": "F(l,d)"}})

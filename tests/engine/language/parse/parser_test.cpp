@@ -429,7 +429,9 @@ TEST(Parser, ExpressionsSkipCharactersThatBeginNoToken) {
                 "4:41: warning: the character ''' has no meaning in expressions and is skipped | remove it",
                 "4:61: warning: the character '_' has no meaning in expressions and is skipped | a name begins with a "
                 "letter",
-                "4:75: warning: the character '#' has no meaning in expressions and is skipped | remove it"}));
+                "4:75: warning: the character '#' has no meaning in expressions and is skipped | remove it",
+                "4:58: warning: the surface '~|' is not defined and is not drawn | write 'surface: | FILE.s' into the "
+                "view file, which has the model's name and the suffix .v"}));
 }
 
 TEST(Parser, TokensInTheWrongPlaceStayErrors) {
