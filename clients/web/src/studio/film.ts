@@ -11,7 +11,7 @@ const rest = (milliseconds: number) => new Promise((done) => setTimeout(done, mi
 export async function filmGrowth(studio: Studio, signal: AbortSignal): Promise<Blob> {
   const view = studio.view!;
   if (typeof MediaRecorder === "undefined" || !MediaRecorder.isTypeSupported("video/webm")) {
-    throw new Error("This browser records no WebM. Use the command espalier run --animation growth.webm instead.");
+    throw new Error("This browser records no WebM. Save pictures of the steps with espalier run --every -o step%d.png instead.");
   }
   const last = studio.step;
   const stride = Math.max(1, Math.ceil(last / MOST_FRAMES));
