@@ -398,6 +398,16 @@ test("the page watches what another program does, and lives through a new start 
   await viewer.waitForFunction(() => document.getElementById("plant").dataset.step === "3");
   await viewer.close();
 
+  // a link to watch changes nothing
+  const pupil = await open(`${first.address}/#watch=${made}`, "");
+  await pupil.waitForFunction(() => document.getElementById("plant")?.dataset.step === "3");
+  assert.ok(await pupil.isDisabled("#step"));
+  await pupil.keyboard.press("ArrowRight");
+  assert.match(await pupil.evaluate(() => studio.simulation.step().then(() => "", (error) => error.message)), /role|controller/);
+  await page.evaluate((id) => studio.simulation.client.simulation(id).step(), made);
+  await pupil.waitForFunction(() => document.getElementById("plant").dataset.step === "4");
+  await pupil.close();
+
   first.server.kill("SIGKILL");
   await page.waitForFunction(() => document.body.dataset.state === "lost");
   assert.match(await page.textContent("#message"), /connection to the server is lost/);

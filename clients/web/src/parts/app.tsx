@@ -169,7 +169,7 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
   const isOfSlider = isSlider && /^(Arrow|Home|End)/.test(event.key);
   const isOfButton = event.key === " " && target.closest("button, summary, a, input:not([type=range])");
   const needsPlant = /^( |Arrow|Home|End|[rv]$)/.test(event.key);
-  if (action && !isOfSlider && !isOfButton && !(needsPlant && !studio.simulation)) {
+  if (action && !isOfSlider && !isOfButton && !(needsPlant && (!studio.simulation || studio.isReadOnly))) {
     act(action);
   }
 }

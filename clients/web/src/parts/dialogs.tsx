@@ -139,7 +139,7 @@ export function ShareDialog({ studio, onClose }: { studio: Studio; onClose: () =
     await navigator.clipboard?.writeText(text).catch(() => {});
     setCopied(true);
   };
-  const running = `${location.origin}${location.pathname}#simulation=${studio.simulation?.id ?? ""}`;
+  const running = `${location.origin}${location.pathname}#watch=${studio.simulation?.id ?? ""}`;
   return (
     <Dialog title="Share" onClose={onClose}>
       <p>This link holds the model with its files, the seed and the step. It grows the same plant at every Espalier server.</p>
@@ -148,7 +148,8 @@ export function ShareDialog({ studio, onClose }: { studio: Studio; onClose: () =
         <button type="button" class="primary" onClick={() => void copy(link)}>{isCopied ? "Copied" : "Copy the link"}</button>
         <span class="quiet">{link.length.toLocaleString("en")} characters</span>
       </div>
-      <p>This link shows the simulation that runs here now, with everything that happens to it:</p>
+      <p>This link only watches the simulation that runs here now, with everything that happens to it. It is for a class: any number of pages may
+        open it, and none can change the plant. With <code>simulation=</code> instead of <code>watch=</code> a page can.</p>
       <input readOnly aria-label="Link to the simulation" value={running} onFocus={(event) => event.currentTarget.select()} />
     </Dialog>
   );

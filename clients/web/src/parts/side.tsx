@@ -90,7 +90,7 @@ function Module({ studio }: { studio: Studio }) {
         {chosen.width !== undefined && <div><dt>width</dt><dd>{chosen.width.toPrecision(3)}</dd></div>}
         <div><dt>place</dt><dd>{chosen.position.map((x) => x.toFixed(2)).join(", ")}</dd></div>
       </dl>
-      <div class="row">
+      {!studio.isReadOnly && <div class="row">
         <button type="button" id="prune" onClick={() => void studio.act(() => studio.change("prune"))}>Prune here</button>
         <button type="button" id="bend" onClick={() => void studio.act(() => studio.change("insert", [{ symbol: turn, parameters: [degrees] }]))}>Bend</button>
         <select aria-label="Direction of the bend" value={turn} onChange={(event) => setTurn(event.currentTarget.value)}>
@@ -101,7 +101,7 @@ function Module({ studio }: { studio: Studio }) {
           <option value="/">about itself (/)</option>
         </select>
         <input type="number" aria-label="Degrees of the bend" value={degrees} onInput={(event) => setDegrees(event.currentTarget.valueAsNumber || 0)} />°
-      </div>
+      </div>}
       <h3>In the next step</h3>
       <pre id="explanation" tabIndex={0}>{chosen.explanation ?? "…"}</pre>
     </div>
@@ -146,7 +146,7 @@ function Server({ studio }: { studio: Studio }) {
               {name || simulation}
             </button>
             <span class="quiet">{damaged ? "damaged" : `step ${step}${running ? ", running" : ""}`}</span>
-            <IconButton icon="close" label={`Delete ${name || simulation}`} onClick={() => void studio.act(() => studio.deleteSimulation(simulation))} />
+            {!studio.isReadOnly && <IconButton icon="close" label={`Delete ${name || simulation}`} onClick={() => void studio.act(() => studio.deleteSimulation(simulation))} />}
           </li>
         ))}
         {studio.simulations.length === 0 && <li class="quiet">none yet</li>}

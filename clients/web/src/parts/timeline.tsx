@@ -7,7 +7,7 @@ import { IconButton } from "./icons.js";
 
 export function Timeline({ studio }: { studio: Studio }) {
   const { simulation, step, length, isRunning, isOwn, isFinished } = studio;
-  const has = simulation !== null;
+  const has = simulation !== null && !studio.isReadOnly;
   const last = studio.statistics[studio.statistics.length - 1];
   return (
     <footer class="timeline">

@@ -37,6 +37,7 @@ export class Studio {
 
   simulation: Simulation | null = null;
   isOwn = false; // this page made it, so this page may replace it
+  isReadOnly = false; // a link to watch: the server lets this page change nothing
   seed = 7;
   step = 0;
   length = 0;
@@ -110,6 +111,7 @@ export class Studio {
 
   async start(token?: string): Promise<void> {
     const named = new URLSearchParams(location.hash.slice(1));
+    this.isReadOnly = named.has("watch");
     await this.connect(token ?? named.get("token") ?? "");
     if (this.connection !== "connected") {
       return;
@@ -121,8 +123,9 @@ export class Studio {
   private async openHash(named: URLSearchParams): Promise<void> {
     const seed = named.get("seed");
     this.seed = seed ? Number(seed) : this.seed;
-    if (named.get("simulation")) {
-      await this.watch(named.get("simulation")!);
+    const watched = named.get("simulation") ?? named.get("watch");
+    if (watched) {
+      await this.watch(watched);
     } else if (named.get("model")) {
       const shared = await unpacked(named.get("model")!);
       this.seed = shared.seed;
@@ -138,7 +141,7 @@ export class Studio {
     try {
       this.client = await connect(location.origin, {
         name: "studio",
-        roles: ["controller", "viewer"],
+        roles: this.isReadOnly ? ["viewer"] : ["controller", "viewer"],
         ...(token ? { token } : {}),
         onConnection: (is) => this.connectionChanged(is),
       });
@@ -189,6 +192,9 @@ export class Studio {
 
   /** A message of the Language Server Protocol, and the messages that come back. */
   async editorMessage(message: string): Promise<string[]> {
+    if (this.isReadOnly) {
+      return [];
+    }
     return (await this.client.call("editor.message", { message })).messages;
   }
 
@@ -228,6 +234,10 @@ export class Studio {
   /** The text of a file has changed. */
   edit(file: string, text: string): void {
     if (this.document.files[file] === text) {
+      return;
+    }
+    if (this.isReadOnly) {
+      this.say("This link only watches. Open the page without it to grow a plant of your own.", true);
       return;
     }
     this.document = { ...this.document, files: { ...this.document.files, [file]: text }, gallery: null };
