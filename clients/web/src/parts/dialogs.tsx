@@ -4,6 +4,7 @@ import type { ComponentChildren } from "preact";
 import type { Studio } from "../studio/studio.js";
 import { download, packed } from "../studio/share.js";
 import { filmGrowth } from "../studio/film.js";
+import { bytesOf } from "../studio/palette.js";
 import { newDocument } from "../studio/document.js";
 import { IconButton } from "./icons.js";
 
@@ -193,6 +194,9 @@ export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () 
       <div class="list">
         {Object.entries(studio.document.files).map(([file, text]) => (
           <button type="button" key={file} onClick={() => download(file, text)}>{file}</button>
+        ))}
+        {Object.entries(studio.document.binary).map(([file, base64]) => (
+          <button type="button" key={file} onClick={() => download(file, new Blob([bytesOf(base64) as Uint8Array<ArrayBuffer>]))}>{file}</button>
         ))}
       </div>
       <h3>The plant at step {studio.step}</h3>

@@ -273,6 +273,14 @@ export class Studio {
     }
   }
 
+  /** The colours of the folder have changed. */
+  recolour(file: string, base64: string): Promise<void> {
+    const done = this.follow({ binary: { ...this.document.binary, [file]: base64 } });
+    this.palette = folderPalette(this.document);
+    this.view?.setPalette(this.palette);
+    return done;
+  }
+
   addFile(name: string): void {
     if (name && !(name in this.document.files)) {
       this.document = { ...this.document, files: { ...this.document.files, [name]: "" }, gallery: null };
