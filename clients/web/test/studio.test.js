@@ -158,6 +158,18 @@ test("a slider that moves two hundred times has one derivation under way and end
   const other = await open(await page.inputValue("#share-link"));
   assert.equal(await stringOf(other), grown);
   await other.close();
+  await page.keyboard.press("Escape");
+
+  // a slider's change is taken back by the keyboard, wherever it is
+  await page.evaluate(() => {
+    const slider = document.getElementById("define-A0");
+    slider.value = "60";
+    slider.dispatchEvent(new Event("input", { bubbles: true }));
+  });
+  await page.waitForFunction(() => document.querySelector(".cm-content").textContent.includes("#define A0 60"));
+  await page.keyboard.press("Control+z");
+  await page.waitForFunction(() => studio.document.files["parametric-tree.l"].includes("#define A0 47"));
+  await page.waitForFunction(async (wanted) => studio.counts.waiting === 0 && (await studio.simulation.string()) === wanted, grown);
   await page.close();
 });
 

@@ -229,7 +229,7 @@ export const KEYS: Array<[string, string]> = [
   ["E", "edit the text"],
   ["Esc", "leave the text; forget the chosen module"],
   ["Ctrl Enter", "grow the text"],
-  ["Ctrl Z, Ctrl Y", "undo, redo in the text"],
+  ["Ctrl Z, Ctrl Y", "undo, redo: text and sliders"],
   ["Ctrl F", "find in the text"],
   ["Ctrl Space, Tab", "words that fit; take one"],
   ["F2", "rename everywhere"],
