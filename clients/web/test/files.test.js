@@ -16,6 +16,7 @@ async function load(name) {
 const panel = await load("panel.ts");
 const curve = await load("curve.ts");
 const model = await load("document.ts");
+const palette = await load("palette.ts");
 
 const NEW_PANEL = `target: Lsystem
 panel name: Growth
@@ -120,4 +121,19 @@ test("sliders are made for numeric macros only, and write a number as it was mea
     assert.ok(low <= value && value <= high && step > 0, String(value));
   }
   assert.equal(model.numberText(0.30000000000000004, 0.01), "0.3");
+});
+
+test("a colour changes three bytes of a colour map, and the diffuse part of the last record of a material", () => {
+  const map = Uint8Array.from({ length: 768 }, (_, i) => i % 256);
+  const text = Buffer.from(map).toString("base64");
+  const changed = Buffer.from(palette.withColour("a.map", text, 7, [1, 2, 3]), "base64");
+  assert.deepEqual([...changed.entries()].filter(([i, byte]) => byte !== map[i]), [[21, 1], [22, 2], [23, 3]]);
+  const record = (index, diffuse, emission) => [index, 0, 9, 9, 9, ...diffuse, ...emission, 8, 8, 8, 20];
+  const materials = Uint8Array.from([...record(3, [10, 20, 30], [5, 0, 0]), ...record(4, [1, 1, 1], [0, 0, 0]), ...record(3, [100, 0, 0], [10, 0, 0])]);
+  const document = { files: { specifications: "a.l a.v -M1 a.mat\n" }, binary: { "a.mat": Buffer.from(materials).toString("base64") } };
+  assert.equal(palette.paletteFile(document), "a.mat");
+  assert.deepEqual(palette.folderPalette(document).colours.slice(3, 6), [[110, 0, 0], [1, 1, 1], [255, 255, 255]]);
+  const painted = Buffer.from(palette.withColour("a.mat", document.binary["a.mat"], 3, [60, 5, 250]), "base64");
+  assert.deepEqual([...painted.entries()].filter(([i, byte]) => byte !== materials[i]), [[35, 50], [36, 5], [37, 250]]);
+  assert.equal(palette.withColour("a.mat", document.binary["a.mat"], 9, [0, 0, 0]), null);
 });

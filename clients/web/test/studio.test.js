@@ -158,6 +158,18 @@ test("a slider that moves two hundred times has one derivation under way and end
   const other = await open(await page.inputValue("#share-link"));
   assert.equal(await stringOf(other), grown);
   await other.close();
+  await page.keyboard.press("Escape");
+
+  // a slider's change is taken back by the keyboard, wherever it is
+  await page.evaluate(() => {
+    const slider = document.getElementById("define-A0");
+    slider.value = "60";
+    slider.dispatchEvent(new Event("input", { bubbles: true }));
+  });
+  await page.waitForFunction(() => document.querySelector(".cm-content").textContent.includes("#define A0 60"));
+  await page.keyboard.press("Control+z");
+  await page.waitForFunction(() => studio.document.files["parametric-tree.l"].includes("#define A0 47"));
+  await page.waitForFunction(async (wanted) => studio.counts.waiting === 0 && (await studio.simulation.string()) === wanted, grown);
   await page.close();
 });
 
@@ -191,6 +203,7 @@ test("a table of variations grows beside the plant, and a click takes one over",
 
 test("the environment has forms, is seen, and a solid that is dragged changes the plant", async () => {
   const page = await open(`${running.address}/#gallery=roots-in-soil`);
+  await page.setViewportSize({ width: 1200, height: 640 });
   const given = await page.evaluate(() => studio.document.environment);
   assert.equal((await page.evaluate(() => studio.view.surroundings.figures())).solids, given[0].spheres.length + 1); // and the box of the grid
   await page.click("#tab-Set-up");
@@ -210,9 +223,10 @@ test("the environment has forms, is seen, and a solid that is dragged changes th
   // the first stone, dragged
   const place = await page.evaluate(() => {
     const { left, top, width, height } = document.querySelector("#plant canvas").getBoundingClientRect();
-    for (let y = top + 5; y < top + height; y += 6) {
-      for (let x = left + 5; x < left + width; x += 6) {
-        if (studio.view.solidAt(x, y)?.solid.list === "spheres") {
+    for (let y = top + 5; y < top + height; y += 4) {
+      for (let x = left + 5; x < left + width; x += 4) {
+        // no button lies over it
+        if (document.elementFromPoint(x, y)?.tagName === "CANVAS" && studio.view.solidAt(x, y)?.solid.list === "spheres") {
           return { x, y };
         }
       }

@@ -132,10 +132,16 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
     target.blur();
     return;
   }
-  if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) {
+  const isWriting = target.closest(".cm-editor, textarea, select, input:not([type=range]):not([type=checkbox])");
+  if (isWriting || event.altKey || document.querySelector("dialog[open]")) {
     return;
   }
-  if (target.closest(".cm-editor, textarea, select, input:not([type=range]):not([type=checkbox])")) {
+  if (event.ctrlKey || event.metaKey) {
+    const key = event.key.toLowerCase();
+    if (key === "z" || key === "y") {
+      event.preventDefault();
+      studio.onUndo(key === "y" || event.shiftKey);
+    }
     return;
   }
   const isSlider = target.matches("input[type=range]");

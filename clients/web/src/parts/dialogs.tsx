@@ -4,6 +4,7 @@ import type { ComponentChildren } from "preact";
 import type { Studio } from "../studio/studio.js";
 import { download, packed } from "../studio/share.js";
 import { filmGrowth } from "../studio/film.js";
+import { bytesOf } from "../studio/palette.js";
 import { newDocument } from "../studio/document.js";
 import { IconButton } from "./icons.js";
 
@@ -194,6 +195,9 @@ export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () 
         {Object.entries(studio.document.files).map(([file, text]) => (
           <button type="button" key={file} onClick={() => download(file, text)}>{file}</button>
         ))}
+        {Object.entries(studio.document.binary).map(([file, base64]) => (
+          <button type="button" key={file} onClick={() => download(file, new Blob([bytesOf(base64) as Uint8Array<ArrayBuffer>]))}>{file}</button>
+        ))}
       </div>
       <h3>The plant at step {studio.step}</h3>
       <div class="list">
@@ -225,7 +229,7 @@ export const KEYS: Array<[string, string]> = [
   ["E", "edit the text"],
   ["Esc", "leave the text; forget the chosen module"],
   ["Ctrl Enter", "grow the text"],
-  ["Ctrl Z, Ctrl Y", "undo, redo in the text"],
+  ["Ctrl Z, Ctrl Y", "undo, redo: text and sliders"],
   ["Ctrl F", "find in the text"],
   ["Ctrl Space, Tab", "words that fit; take one"],
   ["F2", "rename everywhere"],

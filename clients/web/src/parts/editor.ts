@@ -1,6 +1,6 @@
 // The text editor: CodeMirror with the colours of the language and marks at problems.
 import { closeBrackets, closeBracketsKeymap } from "@codemirror/autocomplete";
-import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
+import { defaultKeymap, history, historyKeymap, indentWithTab, redo, undo } from "@codemirror/commands";
 import { HighlightStyle, StreamLanguage, bracketMatching, indentOnInput, syntaxHighlighting } from "@codemirror/language";
 import type { StringStream } from "@codemirror/language";
 import { lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
@@ -234,6 +234,10 @@ export class Editor {
     const { state } = this.view;
     this.view.dispatch({ changes: { from: placeOf(state, begin.line, begin.column), to: placeOf(state, end.line, end.column), insert: text } });
     this.view.focus();
+  }
+
+  undo(isRedo: boolean): void {
+    (isRedo ? redo : undo)(this.view);
   }
 
   focus(): void {

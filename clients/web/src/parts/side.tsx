@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
 import { guessedRange } from "../studio/document.js";
 import type { Define } from "../studio/document.js";
+import { ColourBoard } from "./colour_board.js";
 import { EnvironmentForm } from "./environment_form.js";
 import { IconButton } from "./icons.js";
 import { Panels } from "./panel.js";
@@ -21,6 +22,7 @@ export function Side({ studio, tab, onTab, onVariations }: { studio: Studio; tab
       <div class="content" role="tabpanel" id="side-panel" aria-labelledby={`tab-${tab}`}>
         {tab === "Parameters" && <Panels studio={studio} />}
         {tab === "Parameters" && <Parameters studio={studio} />}
+        {tab === "Parameters" && <ColourBoard studio={studio} />}
         {tab === "Parameters" && studio.isOwn && studio.simulation && (
           <button type="button" id="open-variations" title="A table of plants over two numbers or seeds (V)" onClick={onVariations}>Variations …</button>
         )}

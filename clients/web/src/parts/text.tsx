@@ -33,6 +33,7 @@ export function TextPane({ studio }: { studio: Studio }) {
       send: (message) => studio.editorMessage(message),
     });
     studio.onConnected = () => help.connect();
+    studio.onUndo = (isRedo) => editor.current?.undo(isRedo);
     editor.current = new Editor(
       place.current!,
       (file, text) => studio.edit(file, text),

@@ -53,6 +53,8 @@ export class Studio {
   held: Promise<void> | null = null; // frames wait for it
   /** Called when there is a connection, and when there is one again. */
   onConnected: () => void = () => {};
+  /** Takes the last change of the shown text back, also a slider's; or makes it again. */
+  onUndo: (isRedo: boolean) => void = () => {};
 
   /** For tests: derivations that were started, that are under way, the most at once; changes that are not done. */
   readonly counts = { derivations: 0, inFlight: 0, mostInFlight: 0, waiting: 0 };
@@ -271,6 +273,14 @@ export class Studio {
       this.isFollowing = false;
       this.changed();
     }
+  }
+
+  /** The colours of the folder have changed. */
+  recolour(file: string, base64: string): Promise<void> {
+    const done = this.follow({ binary: { ...this.document.binary, [file]: base64 } });
+    this.palette = folderPalette(this.document);
+    this.view?.setPalette(this.palette);
+    return done;
   }
 
   addFile(name: string): void {

@@ -372,6 +372,18 @@ export class View {
     }
   }
 
+  /** Numbers of the model's colours that something has. */
+  usedColours(): number[] {
+    const { segments, organs } = this.geometry ?? {};
+    const used = new Set<number>();
+    for (const colours of [segments?.column("Colour"), organs?.column("Colour")]) {
+      for (let i = 0; i < (colours?.length ?? 0); ++i) {
+        used.add(colours![i] & 255);
+      }
+    }
+    return [...used].sort((a, b) => a - b);
+  }
+
   plantHeight(): number {
     return this.bounds.isEmpty() ? 1 : Math.max(this.bounds.max.y - this.bounds.min.y, 1e-6);
   }
