@@ -328,7 +328,7 @@ class Offers(unittest.TestCase):
             self.assertEqual(self.code(self.offer(server)), 1016)
 
     def test_a_python_environment_tries_again_when_its_name_is_taken(self) -> None:
-        server = self.serve(heartbeatMilliseconds="1000")
+        server = self.serve(heartbeatMilliseconds="60000")
         first = self.offer(server, capabilities=["heartbeat"])
         script = REPOSITORY / "clients" / "python" / "examples" / "height.py"
         command = ["python3", str(script), "--offer", server.address, "--name", "light", "--reconnect"]
