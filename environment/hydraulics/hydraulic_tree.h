@@ -44,8 +44,8 @@ class HydraulicTree {
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
 
   /// What a node and its segment do, as a linear function of the heads at the upper end (towards the collar) and the
-  /// lower end. The flow towards the collar is through·(lower − upper) + half·lower − supply + gravity at the lower end,
-  /// and through·(lower − upper) − half·upper + supply + gravity at the upper end.
+  /// lower end. The flow towards the collar is through·(lower − upper) + half·lower − supply + gravity at the lower
+  /// end, and through·(lower − upper) − half·upper + supply + gravity at the upper end.
   struct Segment {
     double through = 0.0;       // length²/day, at least 0
     double half = 0.0;          // half of what enters less at a higher head of both ends, length²/day, at least 0
@@ -60,12 +60,12 @@ class HydraulicTree {
   [[nodiscard]] std::vector<Segment> segments() const;
 
   struct Result {
-    std::vector<double> heads;             // at the nodes
-    std::vector<double> uptakes;           // through the surface of each node's segment, into the plant
-    std::vector<double> collarFlows;       // out of all collars of a plant (plants)
-    std::vector<std::uint8_t> isFlowGiven; // whether the flow, not the head, holds at the collars (plants)
-    std::vector<double> conductances;      // Krs: flow per difference of soil and collar heads, length²/day (plants)
-    std::vector<double> uptakeFractions;   // SUF: parts of the uptake when the soil's total head is the same everywhere
+    std::vector<double> heads;              // at the nodes
+    std::vector<double> uptakes;            // through the surface of each node's segment, into the plant
+    std::vector<double> collarFlows;        // out of all collars of a plant (plants)
+    std::vector<std::uint8_t> isFlowGiven;  // whether the flow, not the head, holds at the collars (plants)
+    std::vector<double> conductances;       // Krs: flow per difference of soil and collar heads, length²/day (plants)
+    std::vector<double> uptakeFractions;  // SUF: parts of the uptake when the soil's total head is the same everywhere
   };
   /// Solves all trees. `plants` has the conditions of each plant, or of all when there is one. O(nodes).
   [[nodiscard]] Result solve(std::span<const Collar> plants) const;

@@ -9,8 +9,9 @@ namespace espalier::environment {
 
 namespace {
 
-// constants of Allen et al. 1998 (FAO-56): latent heat of vaporisation, J/kg; heat capacity of air, J kg⁻¹ K⁻¹; ratio of
-// the molecular weights of water and air; gas constant of dry air, kJ kg⁻¹ K⁻¹, and the factor of a virtual temperature
+// constants of Allen et al. 1998 (FAO-56): latent heat of vaporisation, J/kg; heat capacity of air, J kg⁻¹ K⁻¹; ratio
+// of the molecular weights of water and air; gas constant of dry air, kJ kg⁻¹ K⁻¹, and the factor of a virtual
+// temperature
 constexpr double kLatentHeat = 2.45e6;
 constexpr double kAirHeat = 1013.0;
 constexpr double kWeightRatio = 0.622;

@@ -110,13 +110,9 @@ double PlantWater::updateGasLeaf(std::size_t i, Result& result) {
   result.leaves[i] = {stomata_.least + leaf.open * stomata_.waterPart(head), now.temperature, stomata_.waterPart(head),
                       now.latent};
   const double found = segment.demand + segment.demandByHead * head;
-  double& place = leafHeads_[i];
-  place += leafShare_ * (head - place);
-  const LeafExchange there = exchangeAt(leaf, place);
-  segment.demandByHead = there.water > 0.0
-                             ? std::max(there.byConductance * leaf.open * stomata_.waterPartSlope(place), 0.0) * leaf.flow
-                             : 0.0;
-  segment.demand = std::max(there.water, 0.0) * leaf.flow - segment.demandByHead * place;
+  segment.demandByHead =
+      now.water > 0.0 ? std::max(now.byConductance * leaf.open * stomata_.waterPartSlope(head), 0.0) * leaf.flow : 0.0;
+  segment.demand = result.given[i] - segment.demandByHead * head;
   return std::abs(result.given[i] - found);
 }
 
@@ -156,7 +152,6 @@ void PlantWater::begin() {
     surfaceHeads_.resize(count);
     bySoilHead_.assign(count, 0.0);
     leafParts_.assign(count, LeafPart::Open);
-    leafHeads_.assign(count, 0.0);
     for (std::size_t i = 0; i < count; ++i) {
       axialConductances_[i] = tree_.nodes()[i].axialConductance;
       surfaceHeads_[i] = tree_.nodes()[i].soilHead;
@@ -179,7 +174,57 @@ void PlantWater::begin() {
       segments_[i].demand = roots_[i].demand;
     }
   }
-  leafShare_ = 1.0;
+}
+
+/// What is wrong at heads that lie a share of the way from point_ to the solution of the linear tree: what was wrong
+/// there shrinks by that share, and what is not linear is added. Returns the sum of the amounts.
+double PlantWater::residualsAt(const std::vector<double>& heads, double share, Residuals& residuals) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < heads.size(); ++i) {
+    const HydraulicTree::Node& node = tree_.nodes()[i];
+    const HydraulicTree::Segment& segment = segments_[i];
+    residuals.soil[i] = 0.0;
+    residuals.leaf[i] = 0.0;
+    if (roots_[i].half > 0.0 && resists(i)) {
+      const double xylem = 0.5 * (heads[i] + heads[node.parent]);
+      const RootUptake uptake = rootUptake(*soils_[i].potential, soils_[i].factor, node.soilHead,
+                                           2.0 * roots_[i].half / node.length, xylem, surfaceHeads_[i]);
+      residuals.soil[i] = (1.0 - share) * residuals_.soil[i] + uptake.perLength * node.length -
+                          2.0 * (segment.supply - segment.half * xylem);
+    }
+    if (gasLeaves_[i].flow > 0.0) {
+      residuals.leaf[i] = (1.0 - share) * residuals_.leaf[i] +
+                          std::max(exchangeAt(gasLeaves_[i], heads[i]).water, 0.0) * gasLeaves_[i].flow -
+                          (segment.demand + segment.demandByHead * heads[i]);
+    }
+    sum += std::abs(residuals.soil[i]) + std::abs(residuals.leaf[i]);
+  }
+  return sum;
+}
+
+/// Goes from point_ towards `heads`, the solution of the linear tree, as far as what is wrong becomes smaller than
+/// `before`; the first time all the way. Returns what is wrong there. `heads` are then those of the new point.
+double PlantWater::goTowards(std::vector<double>& heads, double before, bool isFirst) {
+  constexpr double kLeastShare = 1e-12;
+  Residuals found{std::vector<double>(heads.size()), std::vector<double>(heads.size())};
+  if (isFirst) {
+    residuals_ = found;
+    point_ = heads;
+  }
+  const std::vector<double> end = heads;
+  double sum = 0.0;
+  for (double share = 1.0;; share *= 0.5) {
+    for (std::size_t i = 0; i < heads.size(); ++i) {
+      heads[i] = share < 1.0 ? point_[i] + share * (end[i] - point_[i]) : end[i];
+    }
+    sum = residualsAt(heads, share, found);
+    if (isFirst || sum <= (1.0 - 1e-4 * share) * before || share < kLeastShare) {
+      break;
+    }
+  }
+  residuals_ = std::move(found);
+  point_ = heads;
+  return sum;
 }
 
 PlantWater::Wrong PlantWater::update(Result& result) {
@@ -188,7 +233,8 @@ PlantWater::Wrong PlantWater::update(Result& result) {
   for (std::size_t i = 0; i < tree_.nodes().size(); ++i) {
     wrong.flow += updateSoil(i, result) + updateLeaf(i, result, maySwitch) + updateGasLeaf(i, result);
     wrong.vessels = std::max(wrong.vessels, updateVessels(i, result));
-    wrong.rounding += kRounding * roots_[i].half * (std::abs(result.flow.heads[i]) + std::abs(tree_.nodes()[i].soilHead));
+    wrong.rounding +=
+        kRounding * roots_[i].half * (std::abs(result.flow.heads[i]) + std::abs(tree_.nodes()[i].soilHead));
   }
   return wrong;
 }
@@ -206,11 +252,24 @@ tl::expected<PlantWater::Result, double> PlantWater::solve(std::span<const Hydra
   }
   double error = 0.0;
   double least = HUGE_VAL;
-  double before = HUGE_VAL;
-  int idle = 0;  // rounds since the error became much smaller
+  int idle = 0;           // rounds since the error became much smaller
+  double sum = HUGE_VAL;  // of what is wrong, with stomata
   for (result.rounds = 1; result.rounds <= kMostRounds; ++result.rounds) {
     result.flow = tree_.solve(plants, segments_);
-    const Wrong wrong = update(result);
+    if (!gasLeaves_.empty()) {
+      sum = goTowards(result.flow.heads, sum, result.rounds == 1);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t parent = tree_.nodes()[i].parent;
+        if (parent != HydraulicTree::kNoParent) {
+          const double xylem = 0.5 * (result.flow.heads[i] + result.flow.heads[parent]);
+          result.flow.uptakes[i] = 2.0 * (segments_[i].supply - segments_[i].half * xylem);
+        }
+      }
+    }
+    Wrong wrong = update(result);
+    if (!gasLeaves_.empty()) {
+      wrong.flow = sum;
+    }
     double all = 0.0;
     for (std::size_t i = 0; i < count; ++i) {
       all += std::abs(result.flow.uptakes[i]) + std::abs(result.given[i]);
@@ -220,9 +279,6 @@ tl::expected<PlantWater::Result, double> PlantWater::solve(std::span<const Hydra
     if (!std::isfinite(all) || !std::isfinite(error)) {
       break;
     }
-    // a whole step for leaves while it helps, else a part of it
-    leafShare_ = error < 0.7 * before ? std::min(2.0 * leafShare_, 1.0) : std::max(0.5 * leafShare_, 1.0 / 128.0);
-    before = error;
     idle = error < 0.5 * least ? 0 : idle + 1;
     least = std::min(least, error);
     // what rounding leaves does not become smaller

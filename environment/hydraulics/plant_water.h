@@ -71,8 +71,8 @@ class PlantWater {
   };
   /// Solves by Newton's method; uptake is a concave function of the head, so it converges from any start. Leaves go
   /// from part to part of their curve: all at once, and later one a round (Murty, Linear Algebra and its Applications
-  /// 9, 1974). Leaves with stomata go a part of the way when the whole way does not make the error smaller. The error is
-  /// the part of the flow that is still wrong after the last round.
+  /// 9, 1974). With stomata, whose response is neither concave nor convex, a round goes as much of the way as makes the
+  /// error smaller. The error is the part of the flow that is still wrong after the last round.
   [[nodiscard]] tl::expected<Result, double> solve(std::span<const HydraulicTree::Collar> plants);
 
   /// How much more each segment would take up at a higher head of its soil if heads in the xylem stayed, in the last
@@ -88,6 +88,10 @@ class PlantWater {
     double rounding = 0.0;  // what rounding of heads alone makes of it
     double vessels = 0.0;   // part of kx
   };
+  /// What each node's exchange with the soil and leaf have wrong, length³/day (nodes).
+  struct Residuals {
+    std::vector<double> soil, leaf;
+  };
   [[nodiscard]] bool resists(std::size_t node) const {
     return soils_[node].potential != nullptr && soils_[node].factor > 0.0;
   }
@@ -95,6 +99,8 @@ class PlantWater {
   [[nodiscard]] double vesselPart(double head) const;
   void begin();
   [[nodiscard]] Wrong update(Result& result);
+  [[nodiscard]] double residualsAt(const std::vector<double>& heads, double share, Residuals& residuals) const;
+  [[nodiscard]] double goTowards(std::vector<double>& heads, double before, bool isFirst);
   [[nodiscard]] double updateSoil(std::size_t node, Result& result);
   [[nodiscard]] double updateLeaf(std::size_t node, Result& result, bool& maySwitch);
   [[nodiscard]] double updateGasLeaf(std::size_t node, Result& result);
@@ -116,8 +122,8 @@ class PlantWater {
   Stomata stomata_;
   bool isCurve_ = false;
   std::vector<GasLeaf> gasLeaves_;  // (nodes), or empty
-  std::vector<double> leafHeads_;   // where leaves with stomata are linear (nodes)
-  double leafShare_ = 1.0;          // of the way that they go in a round
+  std::vector<double> point_;       // heads where segments_ are linear (nodes)
+  Residuals residuals_;             // there
 };
 
 }  // namespace espalier::environment

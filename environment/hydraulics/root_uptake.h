@@ -42,7 +42,6 @@ class RootUptakeFromSoil final : public RichardsSolver::Uptake {
   void addChange(const std::vector<double>& headChanges, std::vector<double>& sinkChanges) const override;
 
  private:
-
   PlantWater* plants_;
   SoilBody* soil_;
   std::vector<std::int64_t> cellOf_;  // of each node's segment, −1: not in soil (nodes)

@@ -39,8 +39,8 @@ constexpr std::size_t kMostNodes = std::size_t{1} << 25;
 /// What queries say about the segment before them.
 struct SegmentTraits {
   double age = 0.0;
-  double order = 0.0;   // 0: as drawn
-  double demand = 0.0;  // at the node, length³/day
+  double order = 0.0;         // 0: as drawn
+  double demand = 0.0;        // at the node, length³/day
   double leafArea = 0.0;      // of leaves with stomata at the node, length²
   double netRadiation = 0.0;  // sum of area times net radiation, length² W/m²
   double par = 0.0;           // sum of area times light, length² µmol m⁻² s⁻¹
@@ -274,8 +274,7 @@ class Xylem final : public turtle::EnvironmentProcess {
   [[nodiscard]] std::pair<Air, double> airBetween(double from, double until) const {
     const LeafKeys& keys = keys_.leafGas;
     Air air{.temperature = meanOf("temperature", keys.temperature, from, until), .pressure = keys.pressure};
-    air.vapourPressure =
-        0.01 * meanOf("humidity", keys.humidity, from, until) * saturationPressure(air.temperature);
+    air.vapourPressure = 0.01 * meanOf("humidity", keys.humidity, from, until) * saturationPressure(air.temperature);
     return {air, keys.boundary > 0.0 ? keys.boundary
                                      : boundaryConductance(keys.width, meanOf("wind", keys.wind, from, until))};
   }

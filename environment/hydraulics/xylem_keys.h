@@ -27,9 +27,9 @@ struct LeafKeys {
   double width = 0.03;    // of a leaf, m
   double boundary = 0.0;  // conductance of the boundary layer, m/s; 0: by width and wind
   double temperature = 20.0;
-  double humidity = 60.0;  // relative, %
-  double wind = 1.0;       // m/s
-  double pressure = 101.3; // kPa
+  double humidity = 60.0;   // relative, %
+  double wind = 1.0;        // m/s
+  double pressure = 101.3;  // kPa
   double growthHead = -100.0;
   bool hasOwnStomataHead = false;
   bool hasOwnGrowthHead = false;

@@ -43,8 +43,7 @@ RichardsSolver::RichardsSolver(const Shape& shape, std::vector<SoilLayer> soils,
   for (std::size_t cell = 0; cell < count; ++cell) {
     setHead(cell, -1.0);
   }
-  for (auto* numbers :
-       {&sinks_, &surfaceFlux_, &bottomFlux_, &residual_, &change_, &contents_, &uptakeByHead_}) {
+  for (auto* numbers : {&sinks_, &surfaceFlux_, &bottomFlux_, &residual_, &change_, &contents_, &uptakeByHead_}) {
     numbers->assign(count, 0.0);
   }
   points_.resize(count);
@@ -169,8 +168,7 @@ RichardsSolver::FaceFlow RichardsSolver::faceFlow(const Side& from, const Side& 
   // K of the face is the mean over both soils of their mean K between the heads
   const FluxPotential& potential = potentials_[static_cast<std::size_t>(from.soil)];
   const bool isOneSoil = from.soil == to.soil;
-  FluxPotential::Mean mean =
-      potential.meanBetween(from.point, isOneSoil ? to.point : potential.pointAt(to.point.head));
+  FluxPotential::Mean mean = potential.meanBetween(from.point, isOneSoil ? to.point : potential.pointAt(to.point.head));
   if (!isOneSoil) {
     const FluxPotential& second = potentials_[static_cast<std::size_t>(to.soil)];
     const FluxPotential::Mean other = second.meanBetween(second.pointAt(from.point.head), to.point);
@@ -222,8 +220,7 @@ bool RichardsSolver::assemble(double days, const SoilBorders& borders, Uptake* u
     system_.diagonal(cell) = 1.0;
     if (isSoil(cell)) {
       const SoilLayer::Functions functions = soilOf(cell).at(heads_[cell]);
-      points_[cell] =
-          potentialOf(cell).pointAt(heads_[cell], functions.conductivity, functions.conductivitySlope);
+      points_[cell] = potentialOf(cell).pointAt(heads_[cell], functions.conductivity, functions.conductivitySlope);
       contents_[cell] = functions.content;
       const double storage = cellVolume(cell) / days;
       system_.diagonal(cell) = functions.capacity * storage;
@@ -240,8 +237,8 @@ bool RichardsSolver::assemble(double days, const SoilBorders& borders, Uptake* u
         continue;
       }
       const double distance = distanceToNext(cell, axis);
-      const FaceFlow flow = faceFlow(sideOf(cell), sideOf(cell + next), axis == 2 ? distance : 0.0,
-                                     faceArea(cell, axis) / distance);
+      const FaceFlow flow =
+          faceFlow(sideOf(cell), sideOf(cell + next), axis == 2 ? distance : 0.0, faceArea(cell, axis) / distance);
       fluxes_[axis][cell] = flow.flux;
       residual_[cell] -= flow.flux;
       residual_[cell + next] += flow.flux;

@@ -40,9 +40,8 @@ class SoilBody {
   [[nodiscard]] double phOf(std::size_t cell) const;
 
   /// One internal time step of at most `days` under the weather of its beginning, with the sinks of water(). Returns
-  /// the days that passed; 0 when none converges. With `uptake`, that replaces the sinks, and θ(h) is met to `tolerance`
-  /// or better.
-  /// The weather's rain, in means over hours, takes the place of the configuration's.
+  /// the days that passed; 0 when none converges. With `uptake`, that replaces the sinks, and θ(h) is met to
+  /// `tolerance` or better. The weather's rain, in means over hours, takes the place of the configuration's.
   [[nodiscard]] double advance(double days, RichardsSolver::Uptake* uptake = nullptr, double tolerance = 1.0);
   /// Why the rain of the coming days is not known, as in advance(); nothing when it is or is not needed.
   [[nodiscard]] std::optional<turtle::EnvironmentError> problemOfRain(std::string_view process, double days) const;

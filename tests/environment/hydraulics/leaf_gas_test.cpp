@@ -69,8 +69,7 @@ TEST(LeafGas, StomataFollowLightDeficitAndHead) {
   EXPECT_NEAR(stomata.waterPart(-8000.0), 0.5, 1e-12);
   EXPECT_EQ(stomata.waterPart(0.0), 1.0);
   EXPECT_LT(stomata.waterPart(-16000.0), 0.06);
-  EXPECT_NEAR(stomata.waterPartSlope(-5000.0),
-              (stomata.waterPart(-4999.0) - stomata.waterPart(-5001.0)) / 2.0, 1e-9);
+  EXPECT_NEAR(stomata.waterPartSlope(-5000.0), (stomata.waterPart(-4999.0) - stomata.waterPart(-5001.0)) / 2.0, 1e-9);
 }
 
 TEST(LeafGas, TheBoundaryLayerIsThatOfALaminarPlate) {

@@ -14,8 +14,8 @@ namespace {
 using Node = HydraulicTree::Node;
 using Collar = HydraulicTree::Collar;
 
-constexpr std::array kSoils{SoilLayer{0.045, 0.43, 0.15, 3.0, 1000.0, 1e-6}, SoilLayer{0.08, 0.43, 0.04, 1.6, 50.0, 1e-6},
-                            SoilLayer{0.1, 0.4, 0.01, 1.1, 10.0, 1e-6}};
+constexpr std::array kSoils{SoilLayer{0.045, 0.43, 0.15, 3.0, 1000.0, 1e-6},
+                            SoilLayer{0.08, 0.43, 0.04, 1.6, 50.0, 1e-6}, SoilLayer{0.1, 0.4, 0.01, 1.1, 10.0, 1e-6}};
 
 /// A random root system in cm. Conductances lie up to `spread` powers of ten around those of a root.
 HydraulicTree randomRoots(std::uint32_t count, double soilHead, double spread, unsigned seed) {
@@ -76,7 +76,8 @@ TEST(PlantWater, RootsOfAllKindsFindTheirHeadsInSoilsOfAllKinds) {
 }
 
 TEST(PlantWater, WaterAtRestInWetSoilStays) {
-  // heads fall by one a unit of height, and nothing flows: what is left is rounding
+  // heads fall by one a unit of height. Each segment has one head of soil, so a little water goes round within it; the
+  // flows are as small as rounding of the heads allows them to be known
   std::vector<Node> nodes(1);
   for (std::uint32_t i = 0; i < 300; ++i) {
     nodes.push_back({i, 0.3, -0.3, 0.03, 4e-4, 4e-3, -659.8 + 0.3 * i + 0.15});
@@ -90,7 +91,8 @@ TEST(PlantWater, WaterAtRestInWetSoilStays) {
   const auto result = plants.solve(std::span(&none, 1));
   ASSERT_TRUE(result) << result.error();
   EXPECT_LT(result->rounds, 10);
-  EXPECT_NEAR(result->flow.heads[0], -659.8, 1e-6);
+  EXPECT_NEAR(result->flow.heads[0], -659.8, 0.02);
+  EXPECT_NEAR(result->flow.collarFlows[0], 0.0, 1e-10);
 }
 
 TEST(PlantWater, UptakesChangeWithTheHeadsOfTheSoilAsADifferenceDoes) {
@@ -113,45 +115,60 @@ TEST(PlantWater, UptakesChangeWithTheHeadsOfTheSoilAsADifferenceDoes) {
     const auto after = plants.solve(std::span(&collar, 1));
     ASSERT_TRUE(after);
     for (std::size_t i = 1; i < changes.size(); ++i) {
-      EXPECT_NEAR(after->flow.uptakes[i] - before->flow.uptakes[i], expected[i],
-                  1e-3 * std::abs(expected[i]) + 1e-11);
+      EXPECT_NEAR(after->flow.uptakes[i] - before->flow.uptakes[i], expected[i], 1e-3 * std::abs(expected[i]) + 1e-11);
     }
   }
 }
 
+/// 40 cm of root and a stem with 30 leaves that together have so many cm².
+PlantWater plantWithLeaves(double area, double soilHead, double shape, const FluxPotential* potential) {
+  std::vector<Node> nodes(1);
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    nodes.push_back({i, 1.0, -1.0, 0.05, 0.2, 0.001, soilHead});
+  }
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    nodes.push_back({i == 0 ? 0 : 40 + i, 1.0, 1.0, 0.1, 0.5, 0.0, 0.0});
+  }
+  PlantWater plants(HydraulicTree(nodes), {}, {});
+  plants.setStomata({.most = 0.01, .halfHead = -8000.0, .shape = shape}, false);
+  for (std::size_t i = 1; i < nodes.size(); ++i) {
+    if (i > 40) {
+      plants.gasLeaves()[i] = {.flow = area * 8640.0 / 30.0,
+                               .netRadiation = 400.0,
+                               .boundary = 0.02,
+                               .open = 0.01,
+                               .air = {25.0, 1.5, 101.3}};
+    } else if (potential != nullptr) {
+      plants.soils()[i] = {potential, annulusFactor(20.0)};
+    }
+  }
+  return plants;
+}
+
 TEST(PlantWater, StomataCloseAsTheSoilDriesAndFindTheirHeads) {
-  // a stem with 30 leaves on roots in soil that gives less and less, and steep and flat responses to the head
-  for (const double shape : {1.0, 4.0, 20.0}) {
-    double before = HUGE_VAL;
-    for (const double soilHead : {-100.0, -2000.0, -6000.0, -9000.0, -14000.0}) {
-      std::vector<Node> nodes(1);
-      for (std::uint32_t i = 0; i < 40; ++i) {
-        nodes.push_back({i, 1.0, -1.0, 0.05, 0.2, 0.001, soilHead});
+  // few and many leaves, steep and flat responses to the head, soil that resists or not
+  const FluxPotential loam(kSoils[1]);
+  for (const double area : {1.0, 10.0, 1000.0}) {
+    for (const double shape : {1.0, 4.0, 20.0}) {
+      for (const FluxPotential* potential : {static_cast<const FluxPotential*>(nullptr), &loam}) {
+        double before = HUGE_VAL;
+        for (const double soilHead : {-100.0, -2000.0, -6000.0, -9000.0, -14000.0}) {
+          PlantWater plants = plantWithLeaves(area, soilHead, shape, potential);
+          const Collar none{.hasHead = false, .flow = 0.0, .lowestHead = -1e12};
+          const auto result = plants.solve(std::span(&none, 1));
+          ASSERT_TRUE(result) << area << " " << shape << " " << soilHead << " " << result.error();
+          EXPECT_LT(result->rounds, 200) << area << " " << shape << " " << soilHead;
+          double given = 0.0;
+          double taken = 0.0;
+          for (std::size_t i = 1; i < plants.nodes().size(); ++i) {
+            given += result->given[i];
+            taken += result->flow.uptakes[i];
+          }
+          EXPECT_NEAR(given, taken, 2e-6 * given);
+          EXPECT_LT(given, before);
+          before = given;
+        }
       }
-      for (std::uint32_t i = 0; i < 30; ++i) {
-        nodes.push_back({i == 0 ? 0 : 40 + i, 1.0, 1.0, 0.1, 0.5, 0.0, 0.0});
-      }
-      PlantWater plants(HydraulicTree(nodes), {}, {});
-      plants.setStomata({.most = 0.01, .halfHead = -8000.0, .shape = shape}, false);
-      double most = 0.0;
-      for (std::size_t i = 41; i < nodes.size(); ++i) {
-        plants.gasLeaves()[i] = {.flow = 10.0 * 8640.0 / 30.0, .netRadiation = 400.0, .boundary = 0.02, .open = 0.01,
-                                 .air = {25.0, 1.5, 101.3}};
-        most += leafExchange(plants.gasLeaves()[i].air, 400.0, 0.02, 0.01, false).water * plants.gasLeaves()[i].flow;
-      }
-      const Collar none{.hasHead = false, .flow = 0.0, .lowestHead = -1e12};
-      const auto result = plants.solve(std::span(&none, 1));
-      ASSERT_TRUE(result) << shape << " " << soilHead << " " << result.error();
-      double given = 0.0;
-      double taken = 0.0;
-      for (std::size_t i = 1; i < nodes.size(); ++i) {
-        given += result->given[i];
-        taken += result->flow.uptakes[i];
-      }
-      EXPECT_NEAR(given, taken, 1e-6 * most);
-      EXPECT_LT(given, before);
-      EXPECT_LT(given, most);
-      before = given;
     }
   }
 }

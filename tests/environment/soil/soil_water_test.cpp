@@ -113,11 +113,12 @@ TEST(SoilWater, TheWeathersRainTakesThePlaceOfItsOwn) {
   turtle::EnvironmentContext context;
   context.world.weather = std::make_shared<const turtle::Weather>(
       turtle::Weather::read("time,rain\n0,0\n0.25,2\n0.5,0\n1,0\n1.5,0\n", "").value());
-  const auto process = openProcess(
-      "soil-water", "{" + kColumn + R"(,"bottom":"closed","initialHead":-5,"rain":[[0,7]]})", context);
+  const auto process =
+      openProcess("soil-water", "{" + kColumn + R"(,"bottom":"closed","initialHead":-5,"rain":[[0,7]]})", context);
   const auto stored = [&] {
+    const std::vector<turtle::Field> fields = process->fields();
     double sum = 0.0;
-    for (const double content : process->fields()[0].values) {
+    for (const double content : fields[0].values) {
       sum += 0.1 * content;
     }
     return sum;
