@@ -7,6 +7,7 @@
 #include "engine/core/elementary.h"
 #include "engine/turtle/weather.h"
 #include "environment/base/length_unit.h"
+#include "environment/base/number_text.h"
 #include "environment/geometry/world_up.h"
 
 namespace espalier::environment {
@@ -128,7 +129,9 @@ std::optional<turtle::EnvironmentError> SoilBody::passTime(double days) {
   while (end - day_ > 1e-12 * std::max(1.0, end)) {
     if (!(advance(end - day_) > 0.0)) {
       return turtle::EnvironmentError{
-          "Environment 'soil-water' finds no solution of the flow of water on day " + std::to_string(day_) +
+          "Environment 'soil-water' finds no solution of the flow of water on day " + numberText(day_) +
+              ": the residual is " + numberText(water_->lastResidual()) + " of the water content, the tolerance " +
+              numberText(keys_.tolerances.iteration) +
               ". Use larger cells, a larger 'tolerance', or less extreme weather and layers.",
           false};
     }

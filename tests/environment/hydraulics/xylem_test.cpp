@@ -231,6 +231,9 @@ TEST(Xylem, RefusesWhatCannotBe) {
             "Environment 'xylem' needs the radius of segments, and the model draws lines of so many pixels. Give the "
             "key 'radius', or 'line style: cylinder' in the view file.");
   auto world = centimetres();
+  world.world.up = {0, 0, 0};
+  EXPECT_NE(std::move(makeProcess("xylem", "").value())->open(world), std::nullopt);
+  world = centimetres();
   world.world.lengthUnit = "furlong";
   EXPECT_NE(std::move(makeProcess("xylem", "").value())->open(world), std::nullopt);
 }
@@ -289,6 +292,22 @@ TEST(Xylem, ASavedSoilGoesOnWithTheSameBits) {
   ASSERT_FALSE(restored->restore(state).has_value());
   EXPECT_EQ(answersOf(*restored, drawing.queries(1)), expected);
   EXPECT_EQ(restored->save(), process->save());
+}
+
+TEST(Xylem, AStepWithoutSolutionIsAnErrorAndChangesNothing) {
+  const auto process =
+      openProcess("xylem",
+                  R"({"transpiration":[[0,1]],"soil":[{"type":"soil-water","gridSize":[1,8,1],"cellSize":[4,1,4],)"
+                  R"("position":[-2,-8,-2],"surface":"head","topHead":1e306,"initialHead":-1e6,)" +
+                      kLoamLayers + "}]}",
+                  centimetres());
+  const std::string before = process->save();
+  const std::string error = errorOf(*process, RootDrawing().root({0, 0, 0}, 7, 5, 0.1, kTen).queries());
+  EXPECT_EQ(error.find("Environment 'xylem' finds no uptake that fits soil and plants on day 0: the residual is "), 0U)
+      << error;
+  EXPECT_NE(error.find(". Use shorter steps ('longestStep'), larger cells, or a higher 'lowestHead'."),
+            std::string::npos);
+  EXPECT_EQ(process->save(), before);
 }
 
 TEST(Xylem, RootsCarryWaterFromWetToDrySoilAtNight) {
