@@ -76,14 +76,19 @@ std::vector<double> HydraulicTree::sumOfCollars(const std::vector<double>& value
 
 HydraulicTree::Result HydraulicTree::solve(std::span<const Collar> plants) const {
   const std::vector<Segment> segments = this->segments();
-  Result result = solve(plants, segments);
-  addConductances(segments, eliminate(segments), result);
+  const Elimination elimination = eliminate(segments);
+  Result result = solve(plants, segments, elimination);
+  addConductances(segments, elimination, result);
   return result;
 }
 
 HydraulicTree::Result HydraulicTree::solve(std::span<const Collar> plants, const std::vector<Segment>& segments) const {
+  return solve(plants, segments, eliminate(segments));
+}
+
+HydraulicTree::Result HydraulicTree::solve(std::span<const Collar> plants, const std::vector<Segment>& segments,
+                                           const Elimination& elimination) const {
   const std::size_t count = nodes_.size();
-  const Elimination elimination = eliminate(segments);
   std::vector<double> base(count, 0.0);  // flow into each node from below at head 0
   for (std::size_t i = count; i-- > 0;) {
     const Segment& segment = segments[i];

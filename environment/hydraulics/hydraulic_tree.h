@@ -86,6 +86,8 @@ class HydraulicTree {
     std::vector<double> slope;  // how the flow into a node from below grows with its head
   };
   [[nodiscard]] Elimination eliminate(const std::vector<Segment>& segments) const;
+  [[nodiscard]] Result solve(std::span<const Collar> plants, const std::vector<Segment>& segments,
+                             const Elimination& elimination) const;
   /// Adds up a quantity of the collars of each plant.
   [[nodiscard]] std::vector<double> sumOfCollars(const std::vector<double>& values) const;
   void addConductances(const std::vector<Segment>& segments, const Elimination& elimination, Result& result) const;
