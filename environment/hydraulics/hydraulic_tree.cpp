@@ -8,32 +8,36 @@
 
 namespace espalier::environment {
 
-namespace {
-
-/// The flow in a segment by the heads of its ends (upper: towards the collar) against the soil, towards the collar:
-/// at the lower end through·(lower − upper) + half·lower, at the upper end through·(lower − upper) − half·upper.
-struct Conductances {
-  double through = 0.0;  // kx τ / sinh τl
-  double half = 0.0;     // kx τ tanh(τl/2): what enters through the surface by the mean of both ends
-};
-
-Conductances conductancesOf(const HydraulicTree::Node& node) {
+HydraulicTree::Segment HydraulicTree::segmentOf(const Node& node) {
+  Segment segment{.demand = node.demand, .demandByHead = node.demandByHead};
+  if (node.parent == kNoParent) {
+    return segment;
+  }
+  // through = kx τ / sinh τl, half = kx τ tanh(τl/2)
   const double tau = std::sqrt(2.0 * std::numbers::pi * node.radius * node.radialConductivity / node.axialConductance);
   const double x = tau * node.length;
   if (x < 1e-8) {
-    return {node.axialConductance / node.length, 0.5 * node.axialConductance * tau * x};
+    segment.through = node.axialConductance / node.length;
+    segment.half = 0.5 * node.axialConductance * tau * x;
+  } else {
+    // sinh x = (e + e/(e + 1))/2 and tanh(x/2) = e/(e + 2), with e = exp(x) − 1, which keeps all figures of a small x
+    const double e = core::expm1(std::min(x, 700.0));
+    segment.through = 2.0 * node.axialConductance * tau / (e + e / (e + 1.0));
+    segment.half = node.axialConductance * tau * e / (e + 2.0);
   }
-  // sinh x = (e + e/(e + 1))/2 and tanh(x/2) = e/(e + 2), with e = exp(x) − 1, which keeps all figures of a small x
-  const double e = core::expm1(std::min(x, 700.0));
-  return {2.0 * node.axialConductance * tau / (e + e / (e + 1.0)), node.axialConductance * tau * e / (e + 2.0)};
+  segment.supply = segment.half * node.soilHead;
+  segment.gravity = node.axialConductance * node.rise / node.length;
+  return segment;
 }
 
-/// The flow into each node from below as base + slope · head of the node.
-struct Below {
-  std::vector<double> base, slope;
-};
-
-}  // namespace
+std::vector<HydraulicTree::Segment> HydraulicTree::segments() const {
+  std::vector<Segment> segments;
+  segments.reserve(nodes_.size());
+  for (const Node& node : nodes_) {
+    segments.push_back(segmentOf(node));
+  }
+  return segments;
+}
 
 std::vector<std::uint32_t> HydraulicTree::plantOf() const {
   std::vector<std::uint32_t> plant(nodes_.size());
@@ -43,94 +47,151 @@ std::vector<std::uint32_t> HydraulicTree::plantOf() const {
   return plant;
 }
 
-std::vector<double> HydraulicTree::collarHeads(std::span<const Collar> plants, const std::vector<double>& base,
-                                               const std::vector<double>& slope) const {
-  std::vector<double> flows, slopes;  // out of all collars of each plant at head 0, and how they grow with the head
+HydraulicTree::Elimination HydraulicTree::eliminate(const std::vector<Segment>& segments) const {
+  Elimination result{std::vector<double>(nodes_.size(), 0.0), std::vector<double>(nodes_.size(), 0.0)};
+  for (std::size_t i = nodes_.size(); i-- > 0;) {
+    const auto& [through, half, supply, gravity, demand, demandByHead] = segments[i];
+    if (nodes_[i].parent == kNoParent) {
+      continue;
+    }
+    const double leaving = demandByHead - result.slope[i];  // how what leaves downwards grows with the node's head
+    const double own = through + half;                      // how the flow at an end grows with the head of that end
+    result.pivot[i] = own + leaving;
+    // written in terms of one sign, so that nothing cancels in wide vessels
+    result.slope[nodes_[i].parent] -= (half * (2.0 * through + half) + own * leaving) / result.pivot[i];
+  }
+  return result;
+}
+
+std::vector<double> HydraulicTree::sumOfCollars(const std::vector<double>& values) const {
+  std::vector<double> sums;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     if (nodes_[i].parent == kNoParent) {
-      flows.resize(std::max<std::size_t>(flows.size(), nodes_[i].plant + 1), 0.0);
-      slopes.resize(flows.size(), 0.0);
-      flows[nodes_[i].plant] += base[i] - nodes_[i].demand;
-      slopes[nodes_[i].plant] += slope[i] - nodes_[i].demandByHead;
+      sums.resize(std::max<std::size_t>(sums.size(), nodes_[i].plant + 1), 0.0);
+      sums[nodes_[i].plant] += values[i];
     }
   }
-  std::vector<double> heads;
-  for (std::size_t plant = 0; plant < flows.size(); ++plant) {
-    const Collar& collar = plants[plants.size() == 1 ? 0 : plant];
-    double head = collar.head;
-    if (!collar.hasHead) {
-      // a plant without any way for water in or out of the soil keeps the lowest head
-      head = slopes[plant] < 0.0 ? (collar.flow - flows[plant]) / slopes[plant] : collar.lowestHead;
-      head = std::max(head, collar.lowestHead);
-    }
-    heads.push_back(head);
-  }
-  return heads;
+  return sums;
 }
 
 HydraulicTree::Result HydraulicTree::solve(std::span<const Collar> plants) const {
+  const std::vector<Segment> segments = this->segments();
+  const Elimination elimination = eliminate(segments);
+  Result result = solve(plants, segments, elimination);
+  addConductances(segments, elimination, result);
+  return result;
+}
+
+HydraulicTree::Result HydraulicTree::solve(std::span<const Collar> plants, const std::vector<Segment>& segments) const {
+  return solve(plants, segments, eliminate(segments));
+}
+
+HydraulicTree::Result HydraulicTree::solve(std::span<const Collar> plants, const std::vector<Segment>& segments,
+                                           const Elimination& elimination) const {
   const std::size_t count = nodes_.size();
-  std::vector<Conductances> conductances(count);
-  Below below{std::vector<double>(count, 0.0), std::vector<double>(count, 0.0)};
-  for (std::size_t i = 0; i < count; ++i) {
+  std::vector<double> base(count, 0.0);  // flow into each node from below at head 0
+  for (std::size_t i = count; i-- > 0;) {
+    const Segment& segment = segments[i];
     if (nodes_[i].parent != kNoParent) {
-      conductances[i] = conductancesOf(nodes_[i]);
+      const double share = segment.through / elimination.pivot[i];
+      const double leaving = segment.demandByHead - elimination.slope[i];
+      base[nodes_[i].parent] += share * (base[i] - segment.demand) + segment.supply * (1.0 + share) +
+                                segment.gravity * (segment.half + leaving) / elimination.pivot[i];
     }
   }
-  // from the tips to the collars: what a node passes on is linear in the head of its parent
-  for (std::size_t i = count; i-- > 0;) {
-    const Node& node = nodes_[i];
-    if (node.parent == kNoParent) {
-      continue;
-    }
-    const auto [through, half] = conductances[i];
-    const double gravity = node.axialConductance * node.rise / node.length;
-    const double leaving =
-        node.demandByHead - below.slope[i];  // how what leaves this node downwards grows with its head
-    const double own = through + half;       // how the flow at an end grows with the head of that end
-    const double pivot = own + leaving;
-    // head = (known + through · parent head)/pivot, known = base − demand + half · soil head − gravity; the flow at the
-    // upper end follows, written in terms of one sign, so that nothing cancels in wide vessels
-    const double share = through / pivot;
-    below.base[node.parent] += share * (below.base[i] - node.demand) + half * node.soilHead * (1.0 + share) +
-                               gravity * (half + leaving) / pivot;
-    below.slope[node.parent] -= (half * (2.0 * through + half) + own * leaving) / pivot;
+  // out of all collars of each plant at head 0, and how it grows with the head
+  std::vector<double> flow(count, 0.0), slope(count, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    flow[i] = base[i] - segments[i].demand;
+    slope[i] = elimination.slope[i] - segments[i].demandByHead;
   }
   Result result;
+  result.collarFlows = sumOfCollars(flow);
+  const std::vector<double> slopes = sumOfCollars(slope);
+  std::vector<double> collarHeads;
+  for (std::size_t plant = 0; plant < slopes.size(); ++plant) {
+    const Collar& collar = plants[plants.size() == 1 ? 0 : plant];
+    double head = collar.head;
+    bool isFlowGiven = !collar.hasHead;
+    if (isFlowGiven) {
+      // a plant without any way for water in or out of the soil keeps the lowest head
+      head = slopes[plant] < 0.0 ? (collar.flow - result.collarFlows[plant]) / slopes[plant] : collar.lowestHead;
+      isFlowGiven = head > collar.lowestHead;
+      head = std::max(head, collar.lowestHead);
+    }
+    collarHeads.push_back(head);
+    result.isFlowGiven.push_back(isFlowGiven ? 1 : 0);
+    result.collarFlows[plant] += slopes[plant] * head;
+  }
+  // from the collars to the tips
   result.heads.assign(count, 0.0);
   result.uptakes.assign(count, 0.0);
-  result.uptakeFractions.assign(count, 0.0);
-  std::vector<double> unit(count, 0.0);  // heads against a soil at total head 0, when the collar is at −1
-  const std::vector<std::uint32_t> plantOf = this->plantOf();
-  const std::vector<double> collars = collarHeads(plants, below.base, below.slope);
-  std::vector<double> entered(collars.size(), 0.0);  // uptake of a plant in that case
-  result.collarFlows.assign(collars.size(), 0.0);
-  result.conductances.assign(collars.size(), 0.0);
   for (std::size_t i = 0; i < count; ++i) {
-    const Node& node = nodes_[i];
-    if (node.parent == kNoParent) {
-      const double head = collars[node.plant];
-      result.heads[i] = head;
-      result.collarFlows[node.plant] += below.base[i] + below.slope[i] * head - node.demand - node.demandByHead * head;
-      result.conductances[node.plant] -= below.slope[i];
+    const Segment& segment = segments[i];
+    if (nodes_[i].parent == kNoParent) {
+      result.heads[i] = collarHeads[nodes_[i].plant];
+      continue;
+    }
+    const double upper = result.heads[nodes_[i].parent];
+    result.heads[i] =
+        (base[i] - segment.demand + segment.supply - segment.gravity + segment.through * upper) / elimination.pivot[i];
+    result.uptakes[i] = 2.0 * segment.supply - segment.half * (upper + result.heads[i]);
+  }
+  return result;
+}
+
+void HydraulicTree::addConductances(const std::vector<Segment>& segments, const Elimination& elimination,
+                                    Result& result) const {
+  const std::size_t count = nodes_.size();
+  result.conductances = sumOfCollars(elimination.slope);
+  for (double& conductance : result.conductances) {
+    conductance = -conductance;
+  }
+  result.uptakeFractions.assign(count, 0.0);
+  const std::vector<std::uint32_t> plantOf = this->plantOf();
+  std::vector<double> unit(count, 0.0);  // heads against a soil at total head 0, when the collar is at −1
+  std::vector<double> entered(result.conductances.size(), 0.0);  // uptake of a plant in that case
+  for (std::size_t i = 0; i < count; ++i) {
+    if (nodes_[i].parent == kNoParent) {
       unit[i] = -1.0;
       continue;
     }
-    const auto [through, half] = conductances[i];
-    const double gravity = node.axialConductance * node.rise / node.length;
-    const double pivot = through + half - below.slope[i] + node.demandByHead;
-    const double upper = result.heads[node.parent];
-    result.heads[i] = (below.base[i] - node.demand + half * node.soilHead - gravity + through * upper) / pivot;
-    result.uptakes[i] = half * (2.0 * node.soilHead - upper - result.heads[i]);
-    unit[i] = through * unit[node.parent] / pivot;
-    result.uptakeFractions[i] = -half * (unit[node.parent] + unit[i]);
+    unit[i] = segments[i].through * unit[nodes_[i].parent] / elimination.pivot[i];
+    result.uptakeFractions[i] = -segments[i].half * (unit[nodes_[i].parent] + unit[i]);
     entered[plantOf[i]] += result.uptakeFractions[i];
   }
   for (std::size_t i = 0; i < count; ++i) {
     const double all = entered[plantOf[i]];
     result.uptakeFractions[i] = all > 0.0 ? result.uptakeFractions[i] / all : 0.0;
   }
-  return result;
+}
+
+std::vector<double> HydraulicTree::changeOf(const Result& solution, const std::vector<Segment>& segments,
+                                            const std::vector<double>& supplyChanges) const {
+  const std::size_t count = nodes_.size();
+  const Elimination elimination = eliminate(segments);
+  std::vector<double> base(count, 0.0), slope(count, 0.0);
+  for (std::size_t i = count; i-- > 0;) {
+    slope[i] = elimination.slope[i] - segments[i].demandByHead;
+    if (nodes_[i].parent != kNoParent) {
+      const double share = segments[i].through / elimination.pivot[i];
+      base[nodes_[i].parent] += share * base[i] + supplyChanges[i] * (1.0 + share);
+    }
+  }
+  const std::vector<double> flows = sumOfCollars(base);
+  const std::vector<double> slopes = sumOfCollars(slope);
+  std::vector<double> heads(count, 0.0), changes(count, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (nodes_[i].parent == kNoParent) {
+      const std::uint32_t plant = nodes_[i].plant;
+      heads[i] = solution.isFlowGiven[plant] != 0 && slopes[plant] < 0.0 ? -flows[plant] / slopes[plant] : 0.0;
+      continue;
+    }
+    const double upper = heads[nodes_[i].parent];
+    heads[i] = (base[i] + supplyChanges[i] + segments[i].through * upper) / elimination.pivot[i];
+    changes[i] = 2.0 * supplyChanges[i] - segments[i].half * (upper + heads[i]);
+  }
+  return changes;
 }
 
 }  // namespace espalier::environment

@@ -43,24 +43,54 @@ class HydraulicTree {
   [[nodiscard]] std::vector<Node>& nodes() { return nodes_; }
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
 
+  /// What a node and its segment do, as a linear function of the heads at the upper end (towards the collar) and the
+  /// lower end. The flow towards the collar is through·(lower − upper) + half·lower − supply + gravity at the lower
+  /// end, and through·(lower − upper) − half·upper + supply + gravity at the upper end.
+  struct Segment {
+    double through = 0.0;       // length²/day, at least 0
+    double half = 0.0;          // half of what enters less at a higher head of both ends, length²/day, at least 0
+    double supply = 0.0;        // half of what enters at head 0, length³/day
+    double gravity = 0.0;       // length³/day
+    double demand = 0.0;        // as that of the node
+    double demandByHead = 0.0;  // as that of the node
+  };
+  /// The segment of a node, exactly.
+  [[nodiscard]] static Segment segmentOf(const Node& node);
+  /// The segments of all nodes.
+  [[nodiscard]] std::vector<Segment> segments() const;
+
   struct Result {
-    std::vector<double> heads;            // at the nodes
-    std::vector<double> uptakes;          // through the surface of each node's segment, into the plant
-    std::vector<double> collarFlows;      // out of all collars of a plant (plants)
-    std::vector<double> conductances;     // Krs: flow per difference of soil and collar heads, length²/day (plants)
+    std::vector<double> heads;              // at the nodes
+    std::vector<double> uptakes;            // through the surface of each node's segment, into the plant
+    std::vector<double> collarFlows;        // out of all collars of a plant (plants)
+    std::vector<std::uint8_t> isFlowGiven;  // whether the flow, not the head, holds at the collars (plants)
+    std::vector<double> conductances;       // Krs: flow per difference of soil and collar heads, length²/day (plants)
     std::vector<double> uptakeFractions;  // SUF: parts of the uptake when the soil's total head is the same everywhere
   };
   /// Solves all trees. `plants` has the conditions of each plant, or of all when there is one. O(nodes).
   [[nodiscard]] Result solve(std::span<const Collar> plants) const;
   [[nodiscard]] Result solve(const Collar& all) const { return solve(std::span(&all, 1)); }
+  /// The same with other segments, without conductances and fractions.
+  [[nodiscard]] Result solve(std::span<const Collar> plants, const std::vector<Segment>& segments) const;
+  /// How the uptakes change when the supplies of the segments change, near a solution. O(nodes).
+  [[nodiscard]] std::vector<double> changeOf(const Result& solution, const std::vector<Segment>& segments,
+                                             const std::vector<double>& supplyChanges) const;
 
   /// The plant of each node.
   [[nodiscard]] std::vector<std::uint32_t> plantOf() const;
 
  private:
-  /// The head of each plant's collars, from the flows out of the nodes below as base + slope · head (nodes).
-  [[nodiscard]] std::vector<double> collarHeads(std::span<const Collar> plants, const std::vector<double>& base,
-                                                const std::vector<double>& slope) const;
+  /// What is left of each node after elimination from the tips to the collars (nodes).
+  struct Elimination {
+    std::vector<double> pivot;
+    std::vector<double> slope;  // how the flow into a node from below grows with its head
+  };
+  [[nodiscard]] Elimination eliminate(const std::vector<Segment>& segments) const;
+  [[nodiscard]] Result solve(std::span<const Collar> plants, const std::vector<Segment>& segments,
+                             const Elimination& elimination) const;
+  /// Adds up a quantity of the collars of each plant.
+  [[nodiscard]] std::vector<double> sumOfCollars(const std::vector<double>& values) const;
+  void addConductances(const std::vector<Segment>& segments, const Elimination& elimination, Result& result) const;
 
   std::vector<Node> nodes_;
 };

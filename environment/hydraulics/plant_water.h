@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "environment/hydraulics/hydraulic_tree.h"
+#include "environment/hydraulics/leaf_gas.h"
 #include "environment/soil/flux_potential.h"
 
 namespace espalier::environment {
@@ -31,7 +32,28 @@ class PlantWater {
     double shape = 1.0;
   };
 
+  /// A leaf at a node whose stomata follow light, air and the head of its water.
+  struct GasLeaf {
+    double flow = 0.0;          // length³/day of water for each kg m⁻² s⁻¹; 0: there is no leaf
+    double netRadiation = 0.0;  // W/m²
+    double boundary = 0.0;      // conductance of the boundary layer, m/s
+    double open = 0.0;          // conductance of the stomata without the part by head, m/s
+    Air air;
+  };
+  /// What a leaf of this kind does.
+  struct LeafState {
+    double conductance = 0.0;  // of stomata and cuticle, m/s
+    double temperature = 0.0;  // degrees Celsius
+    double waterPart = 0.0;    // f(ψ)
+    double latent = 0.0;       // W/m²
+  };
+
   PlantWater(HydraulicTree tree, const Leaves& leaves, const Vessels& vessels);
+
+  /// Adds leaves with stomata. `isCurve` as in leafExchange().
+  void setStomata(const Stomata& stomata, bool isCurve);
+  /// Those leaves (nodes; empty without setStomata).
+  [[nodiscard]] std::vector<GasLeaf>& gasLeaves() { return gasLeaves_; }
 
   /// The tree with kr of the roots alone and with kx of full vessels. Its soil heads and demands may change.
   [[nodiscard]] std::vector<HydraulicTree::Node>& nodes() { return tree_.nodes(); }
@@ -44,30 +66,64 @@ class PlantWater {
     HydraulicTree::Result flow;
     std::vector<double> surfaceHeads;  // at the surface of each node's segment; of a segment without soil 0
     std::vector<double> given;         // what each leaf gives, length³/day (nodes)
+    std::vector<LeafState> leaves;     // with stomata (nodes), or empty
     int rounds = 1;
   };
   /// Solves by Newton's method; uptake is a concave function of the head, so it converges from any start. Leaves go
   /// from part to part of their curve: all at once, and later one a round (Murty, Linear Algebra and its Applications
-  /// 9, 1974). The error is the part of the flow that is still wrong after the last round.
+  /// 9, 1974). With stomata, whose response is neither concave nor convex, a round goes as much of the way as makes the
+  /// error smaller. The error is the part of the flow that is still wrong after the last round.
   [[nodiscard]] tl::expected<Result, double> solve(std::span<const HydraulicTree::Collar> plants);
 
+  /// How much more each segment would take up at a higher head of its soil if heads in the xylem stayed, in the last
+  /// solution, length²/day (nodes).
+  [[nodiscard]] const std::vector<double>& bySoilHead() const { return bySoilHead_; }
+  /// How uptakes change with the heads of the soil near the last solution, when heads in the xylem follow. O(nodes).
+  [[nodiscard]] std::vector<double> changeOf(const Result& solution, const std::vector<double>& soilHeadChanges) const;
+
  private:
+  /// What a round of Newton's method found wrong, length³/day.
+  struct Wrong {
+    double flow = 0.0;
+    double rounding = 0.0;  // what rounding of heads alone makes of it
+    double vessels = 0.0;   // part of kx
+  };
+  /// What each node's exchange with the soil and leaf have wrong, length³/day (nodes).
+  struct Residuals {
+    std::vector<double> soil, leaf;
+  };
+  [[nodiscard]] bool resists(std::size_t node) const {
+    return soils_[node].potential != nullptr && soils_[node].factor > 0.0;
+  }
   [[nodiscard]] double openness(double head) const;
   [[nodiscard]] double vesselPart(double head) const;
+  void begin();
+  [[nodiscard]] Wrong update(Result& result);
+  [[nodiscard]] double residualsAt(const std::vector<double>& heads, double share, Residuals& residuals) const;
+  [[nodiscard]] double goTowards(std::vector<double>& heads, double before, bool isFirst);
   [[nodiscard]] double updateSoil(std::size_t node, Result& result);
   [[nodiscard]] double updateLeaf(std::size_t node, Result& result, bool& maySwitch);
+  [[nodiscard]] double updateGasLeaf(std::size_t node, Result& result);
+  [[nodiscard]] LeafExchange exchangeAt(const GasLeaf& leaf, double head) const;
   [[nodiscard]] double updateVessels(std::size_t node, const Result& result);
 
   /// The part of its curve on which a leaf is taken to be.
   enum class LeafPart : std::uint8_t { Closing, Open, Closed };
 
   HydraulicTree tree_;
-  HydraulicTree linear_;  // the tree of a round of Newton's method
   Leaves leaves_;
   Vessels vessels_;
-  std::vector<Soil> soils_;           // (nodes)
-  std::vector<double> surfaceHeads_;  // of the last round (nodes)
-  std::vector<LeafPart> leafParts_;   // (nodes)
+  std::vector<Soil> soils_;                        // (nodes)
+  std::vector<double> axialConductances_;          // with what vessels have lost (nodes)
+  std::vector<HydraulicTree::Segment> roots_;      // without resistance of the soil (nodes)
+  std::vector<HydraulicTree::Segment> segments_;   // of a round of Newton's method (nodes)
+  std::vector<double> surfaceHeads_, bySoilHead_;  // of the last round (nodes)
+  std::vector<LeafPart> leafParts_;                // (nodes)
+  Stomata stomata_;
+  bool isCurve_ = false;
+  std::vector<GasLeaf> gasLeaves_;  // (nodes), or empty
+  std::vector<double> point_;       // heads where segments_ are linear (nodes)
+  Residuals residuals_;             // there
 };
 
 }  // namespace espalier::environment

@@ -22,11 +22,11 @@ double cellFactor(double side, double radius) {
   return std::max(core::log(0.198 * side / radius), 0.0);
 }
 
-RootUptake rootUptake(const FluxPotential& potential, double factor, double soilHead, double radius,
-                      double radialConductivity, double xylemHead, double surfaceGuess) {
-  const double ofRoot = 2.0 * std::numbers::pi * radius * radialConductivity;
+RootUptake rootUptake(const FluxPotential& potential, double factor, double soilHead, double rootConductance,
+                      double xylemHead, double surfaceGuess) {
+  const double ofRoot = rootConductance;
   if (xylemHead >= soilHead || factor <= 0.0) {
-    return {ofRoot * (soilHead - xylemHead), ofRoot, soilHead};
+    return {ofRoot * (soilHead - xylemHead), ofRoot, ofRoot, soilHead};
   }
   const double ofSoil = 2.0 * std::numbers::pi / factor;
   const double wet = potential.at(soilHead);
@@ -51,7 +51,8 @@ RootUptake rootUptake(const FluxPotential& potential, double factor, double soil
   const double slope = ofSoil * potential.conductivityAt(head);
   // by the side that resists more: there rounding of the heads matters less
   const double perLength = ofRoot < slope ? ofRoot * (head - xylemHead) : ofSoil * (wet - potential.at(head));
-  return {perLength, ofRoot * slope / (ofRoot + slope), head};
+  const double part = ofRoot / (ofRoot + slope);
+  return {perLength, part * slope, part * ofSoil * potential.conductivityAt(soilHead), head};
 }
 
 }  // namespace espalier::environment

@@ -17,12 +17,14 @@ namespace espalier::environment {
 struct RootUptake {
   double perLength = 0.0;    // length²/day, negative when water leaves the root
   double byHead = 0.0;       // how much less at a higher head in the xylem, length/day
+  double bySoilHead = 0.0;   // how much more at a higher head of the soil, length/day
   double surfaceHead = 0.0;  // at the root surface, length
 };
 
-/// The uptake through soil and root in series: 2πa kr (ψ surface − ψ xylem) = 2π/g (Φ(soil) − Φ(surface)). Water that
-/// leaves a root meets no resistance of the soil. `surfaceGuess` is a head near that of the surface.
-[[nodiscard]] RootUptake rootUptake(const FluxPotential& potential, double factor, double soilHead, double radius,
-                                    double radialConductivity, double xylemHead, double surfaceGuess);
+/// The uptake through soil and root in series: C (ψ surface − ψ xylem) = 2π/g (Φ(soil) − Φ(surface)), where C is the
+/// conductance of a unit of root length, 2πa kr of a thin root, length/day. Water that leaves a root meets no
+/// resistance of the soil. `surfaceGuess` is a head near that of the surface.
+[[nodiscard]] RootUptake rootUptake(const FluxPotential& potential, double factor, double soilHead,
+                                    double rootConductance, double xylemHead, double surfaceGuess);
 
 }  // namespace espalier::environment

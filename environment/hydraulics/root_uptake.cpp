@@ -12,9 +12,6 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr int kMostTurns = 40;
-constexpr double kShortestStepDays = 1e-8;
-
 void addTo(std::vector<double>& sums, const std::vector<double>& values, double days) {
   sums.resize(values.size(), 0.0);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -38,6 +35,14 @@ void WaterSums::add(const PlantWater::Result& result, const std::vector<Hydrauli
     }
   }
   addTo(collarHeads, collars, passed);
+  leaves.resize(result.leaves.size());
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const PlantWater::LeafState& leaf = result.leaves[i];
+    leaves[i].conductance += passed * leaf.conductance;
+    leaves[i].temperature += passed * leaf.temperature;
+    leaves[i].waterPart += passed * leaf.waterPart;
+    leaves[i].latent += passed * leaf.latent;
+  }
 }
 
 RootUptakeFromSoil::RootUptakeFromSoil(PlantWater& plants, SoilBody& soil, const std::vector<core::Vec3>& middles,
@@ -73,108 +78,60 @@ RootUptakeFromSoil::RootUptakeFromSoil(PlantWater& plants, SoilBody& soil, const
   }
 }
 
-void RootUptakeFromSoil::readHeads() {
-  const std::vector<double>& heads = soil_->water().state().heads;
+bool RootUptakeFromSoil::takeAt(const std::vector<double>& heads, double days, std::vector<double>& sinks,
+                                std::vector<double>& byHead) {
   for (std::size_t i = 0; i < cellOf_.size(); ++i) {
     if (cellOf_[i] >= 0) {
       plants_->nodes()[i].soilHead = heads[static_cast<std::size_t>(cellOf_[i])] + above_[i];
     }
   }
-}
-
-std::vector<double> RootUptakeFromSoil::sinksOf(const PlantWater::Result& result) const {
-  std::vector<double> sinks(soil_->water().cellCount(), 0.0);
+  auto result = plants_->solve(collars_(soil_->day(), soil_->day() + days));
+  plantError_ = result ? 0.0 : result.error();
+  if (!result) {
+    return false;
+  }
+  last_ = std::move(*result);
+  std::fill(sinks.begin(), sinks.end(), 0.0);
+  std::fill(byHead.begin(), byHead.end(), 0.0);
   for (std::size_t i = 0; i < cellOf_.size(); ++i) {
     if (cellOf_[i] >= 0) {
-      sinks[static_cast<std::size_t>(cellOf_[i])] += result.flow.uptakes[i];
+      sinks[static_cast<std::size_t>(cellOf_[i])] += last_.flow.uptakes[i];
+      byHead[static_cast<std::size_t>(cellOf_[i])] += plants_->bySoilHead()[i];
     }
   }
-  return sinks;
+  return true;
 }
 
-/// One internal step; returns the days that passed, or 0 when soil and plants do not come to agree.
-double RootUptakeFromSoil::passStep(double days, const Limits& limits, const CollarsBetween& collars, WaterSums& sums,
-                                    double& residual) {
-  const std::vector<double> before = soil_->numbers();
-  const double start = soil_->day();
-  RichardsSolver& water = soil_->water();
-  readHeads();
-  auto result = plants_->solve(collars(start, start + days));
-  if (!result) {
-    residual = result.error();
-    return 0.0;
+void RootUptakeFromSoil::addChange(const std::vector<double>& headChanges, std::vector<double>& sinkChanges) const {
+  std::vector<double> heads(cellOf_.size(), 0.0);
+  for (std::size_t i = 0; i < cellOf_.size(); ++i) {
+    heads[i] = cellOf_[i] >= 0 ? headChanges[static_cast<std::size_t>(cellOf_[i])] : 0.0;
   }
-  std::vector<double> sinks = sinksOf(*result);
-  std::vector<double> asked = sinks;
-  std::vector<double> lastSinks, lastAsked;
-  double passed = days;
-  for (int turn = 0; turn < kMostTurns; ++turn) {
-    soil_->setNumbers(before);
-    water.sinks() = sinks;
-    passed = soil_->advance(passed);
-    if (!(passed > 0.0)) {
-      residual = HUGE_VAL;
-      return 0.0;
+  const std::vector<double> uptakes = plants_->changeOf(last_, heads);
+  for (std::size_t i = 0; i < cellOf_.size(); ++i) {
+    if (cellOf_[i] >= 0) {
+      sinkChanges[static_cast<std::size_t>(cellOf_[i])] += uptakes[i];
     }
-    readHeads();
-    auto next = plants_->solve(collars(start, start + passed));
-    if (!next) {
-      residual = next.error();
-      return 0.0;
-    }
-    asked = sinksOf(*next);
-    residual = 0.0;
-    for (std::size_t cell = 0; cell < sinks.size(); ++cell) {
-      residual = std::max(residual, std::abs(asked[cell] - sinks[cell]) * passed / water.cellVolume(cell));
-    }
-    if (residual <= limits.tolerance) {
-      // the soil gives just what the plants take: both are of one solution
-      soil_->setNumbers(before);
-      water.sinks() = asked;
-      passed = soil_->advance(passed);
-      if (passed > 0.0) {
-        sums.add(*next, plants_->nodes(), passed);
-      }
-      return passed;
-    }
-    // a secant for each cell: a cell that gives more gets drier, and then is asked for less
-    std::vector<double> better(sinks.size());
-    for (std::size_t cell = 0; cell < sinks.size(); ++cell) {
-      double slope = 0.0;
-      if (!lastSinks.empty() && sinks[cell] != lastSinks[cell]) {
-        slope = std::clamp((asked[cell] - lastAsked[cell]) / (sinks[cell] - lastSinks[cell]), -1e6, 0.5);
-      }
-      better[cell] = sinks[cell] + (asked[cell] - sinks[cell]) / (1.0 - slope);
-    }
-    lastSinks = std::move(sinks);
-    lastAsked = asked;
-    sinks = std::move(better);
   }
-  return 0.0;
 }
 
 std::optional<std::string> RootUptakeFromSoil::passTime(double days, const Limits& limits,
                                                         const CollarsBetween& collars, WaterSums& sums) {
   const double end = soil_->day() + days;
-  double step = limits.longestStep;
+  collars_ = collars;
   while (end - soil_->day() > 1e-12 * std::max(1.0, end)) {
-    const std::vector<double> before = soil_->numbers();
-    double residual = 0.0;
     // the last two steps are of one length, so that none is very short
     const double left = end - soil_->day();
-    const double longest = std::min(step, limits.longestStep);
+    const double longest = limits.longestStep;
     const double tried = left > longest && left < 2.0 * longest ? 0.5 * left : std::min(longest, left);
-    const double passed = passStep(tried, limits, collars, sums, residual);
-    if (passed > 0.0) {
-      step = std::max(step, 2.0 * passed);
-      continue;
-    }
-    soil_->setNumbers(before);
-    step = tried / 4.0;
-    if (step < kShortestStepDays) {
+    const double passed = soil_->advance(tried, this, limits.tolerance);
+    if (!(passed > 0.0)) {
+      const double residual = plantError_ > 0.0 ? plantError_ : soil_->water().lastResidual();
       return "finds no uptake that fits soil and plants on day " + numberText(soil_->day()) + ": the residual is " +
-             numberText(residual) + ", the tolerance " + numberText(limits.tolerance);
+             numberText(residual) + (plantError_ > 0.0 ? " of the flow in the plants" : " of the water content") +
+             ", the tolerance " + numberText(limits.tolerance);
     }
+    sums.add(last_, plants_->nodes(), passed);
   }
   soil_->arriveAt(end);
   return std::nullopt;

@@ -16,6 +16,7 @@
 
 #include "engine/core/elementary.h"
 #include "engine/turtle/field.h"
+#include "engine/turtle/weather.h"
 #include "environment/base/length_unit.h"
 #include "environment/base/number_text.h"
 #include "environment/base/replies.h"
@@ -31,13 +32,18 @@ namespace {
 using core::Vec3;
 using Collar = HydraulicTree::Collar;
 
+// a head far below all others
+constexpr double kLowest = -1e12;
 constexpr std::size_t kMostNodes = std::size_t{1} << 25;
 
 /// What queries say about the segment before them.
 struct SegmentTraits {
   double age = 0.0;
-  double order = 0.0;   // 0: as drawn
-  double demand = 0.0;  // at the node, length³/day
+  double order = 0.0;         // 0: as drawn
+  double demand = 0.0;        // at the node, length³/day
+  double leafArea = 0.0;      // of leaves with stomata at the node, length²
+  double netRadiation = 0.0;  // sum of area times net radiation, length² W/m²
+  double par = 0.0;           // sum of area times light, length² µmol m⁻² s⁻¹
   std::optional<double> radial, axial;
 };
 
@@ -61,9 +67,10 @@ class Xylem final : public turtle::EnvironmentProcess {
             .needs = {.position = true, .parameters = true, .geometry = true},
             .inputs = {{"age", "day", ""},
                        {"order", "1", ""},
-                       {"waterGivenOff", flow, ""},
-                       {"unused4", "1", ""},
-                       {"unused5", "1", ""},
+                       hasStomata() ? turtle::EnvironmentVariable{"leafArea", unit + "^2", ""}
+                                    : turtle::EnvironmentVariable{"waterGivenOff", flow, ""},
+                       {hasStomata() ? "netRadiation" : "unused4", hasStomata() ? "W/m^2" : "1", ""},
+                       {hasStomata() ? "par" : "unused5", hasStomata() ? "umol/(m^2 s)" : "1", ""},
                        {"unused6", "1", ""},
                        {"unused7", "1", ""},
                        {"unused8", "1", ""},
@@ -112,6 +119,10 @@ class Xylem final : public turtle::EnvironmentProcess {
                                         {keys_.hasOwnLowestHead, &keys_.lowestHead}}) {
       *head /= isGiven ? 1.0 : metres;
     }
+    keys_.leafGas.stomata.halfHead /= keys_.leafGas.hasOwnStomataHead ? 1.0 : metres;
+    keys_.leafGas.growthHead /= keys_.leafGas.hasOwnGrowthHead ? 1.0 : metres;
+    metres_ = metres;
+    world_ = context.world;
     axialUnit_ = keys_.hasOwnAxial ? 1.0 : 1.0 / (metres * metres * metres);
     return soil_ ? soil_->open("xylem", context.world) : std::nullopt;
   }
@@ -188,6 +199,11 @@ class Xylem final : public turtle::EnvironmentProcess {
       return plants.error();
     }
     PlantWater water(HydraulicTree(std::move(plants->nodes)), keys_.leaves, keys_.vessels);
+    if (hasStomata()) {
+      if (auto error = setLeaves(queries.timeDays, traits, *plants, water)) {
+        return error;
+      }
+    }
     WaterSums sums;
     if (auto error = passTime(queries.timeDays, trees, traits, *plants, water, sums)) {
       return error;
@@ -212,9 +228,13 @@ class Xylem final : public turtle::EnvironmentProcess {
         continue;
       }
       nodeOf[query] = *node;
-      for (const auto& [name, k] : {std::pair("water given off", std::size_t{2}),
+      for (const auto& [name, k] : {std::pair(hasStomata() ? "leaf area" : "water given off", std::size_t{2}),
+                                    {"light", std::size_t{4}},
                                     {"radial conductivity kr", std::size_t{10}},
                                     {"axial conductance kx", std::size_t{11}}}) {
+        if (k == 4 && !hasStomata()) {
+          continue;
+        }
         if (sent(k) < 0.0 || (k == 11 && parameters.size() > 11 && sent(k) == 0.0)) {
           return failure("got the " + std::string(name) + " " + numberText(sent(k)) + " in parameter " +
                          std::to_string(k + 1) + " of module " + std::to_string(queries.module[query]) + " of plant " +
@@ -222,7 +242,13 @@ class Xylem final : public turtle::EnvironmentProcess {
                          (k == 11 ? "above 0." : "of at least 0."));
         }
       }
-      traits[*node].demand += sent(2);
+      if (hasStomata()) {
+        traits[*node].leafArea += sent(2);
+        traits[*node].netRadiation += sent(2) * sent(3);
+        traits[*node].par += sent(2) * sent(4);
+      } else {
+        traits[*node].demand += sent(2);
+      }
       // all segments of the module are of one age and order
       for (std::uint32_t i = *node; nodes[i].parent != PlantTrees::kNone && nodes[i].plant == nodes[*node].plant &&
                                     nodes[i].module == nodes[*node].module;
@@ -234,6 +260,61 @@ class Xylem final : public turtle::EnvironmentProcess {
       }
     }
     return std::nullopt;
+  }
+
+  [[nodiscard]] bool hasStomata() const { return given_.leafGas.hasStomata; }
+
+  /// The mean of a quantity of the weather, or a constant when the weather does not have it.
+  [[nodiscard]] double meanOf(std::string_view quantity, double constant, double from, double until) const {
+    const bool isKnown = world_.weather && world_.weather->has(quantity);
+    return isKnown ? world_.weather->mean(quantity, from, until).value_or(constant) : constant;
+  }
+
+  /// The air between two times, and the conductance of the boundary layer of leaves in it.
+  [[nodiscard]] std::pair<Air, double> airBetween(double from, double until) const {
+    const LeafKeys& keys = keys_.leafGas;
+    Air air{.temperature = meanOf("temperature", keys.temperature, from, until), .pressure = keys.pressure};
+    air.vapourPressure = 0.01 * meanOf("humidity", keys.humidity, from, until) * saturationPressure(air.temperature);
+    return {air, keys.boundary > 0.0 ? keys.boundary
+                                     : boundaryConductance(keys.width, meanOf("wind", keys.wind, from, until))};
+  }
+
+  /// Gives the leaves with stomata their places, and says when the weather of the step is not known.
+  [[nodiscard]] std::optional<turtle::EnvironmentError> setLeaves(double timeDays,
+                                                                  const std::vector<SegmentTraits>& traits,
+                                                                  const Plants& plants, PlantWater& water) const {
+    for (const char* quantity : {"temperature", "humidity", "wind"}) {
+      if (world_.weather && world_.weather->has(quantity) &&
+          !world_.weather->mean(quantity, timeDays, timeDays + days_)) {
+        return failure(turtle::missingWeather(world_, quantity, timeDays, timeDays + days_));
+      }
+    }
+    water.setStomata(keys_.leafGas.stomata, keys_.leafGas.isCurve);
+    for (std::size_t i = 0; i < traits.size(); ++i) {
+      if (traits[i].leafArea > 0.0) {
+        // kg m⁻² s⁻¹ on that area as length³/day
+        PlantWater::GasLeaf& leaf = water.gasLeaves()[plants.first[i + 1] - 1];
+        leaf.flow = traits[i].leafArea * 86.4 / metres_;
+        leaf.netRadiation = traits[i].netRadiation / traits[i].leafArea;
+      }
+    }
+    setAir(timeDays, timeDays + days_, traits, plants, water);
+    return std::nullopt;
+  }
+
+  /// Gives the leaves with stomata the air between two times.
+  void setAir(double from, double until, const std::vector<SegmentTraits>& traits, const Plants& plants,
+              PlantWater& water) const {
+    const auto [air, boundary] = airBetween(from, until);
+    const Stomata& stomata = keys_.leafGas.stomata;
+    for (std::size_t i = 0; i < traits.size(); ++i) {
+      if (traits[i].leafArea > 0.0) {
+        PlantWater::GasLeaf& leaf = water.gasLeaves()[plants.first[i + 1] - 1];
+        leaf.air = air;
+        leaf.boundary = boundary;
+        leaf.open = stomata.most * stomata.openness(traits[i].par / traits[i].leafArea, air.deficit());
+      }
+    }
   }
 
   /// The smallest side of the soil's cells; infinite without soil.
@@ -333,16 +414,24 @@ class Xylem final : public turtle::EnvironmentProcess {
     }
     const auto collars = [&](double from, double until) {
       std::vector<Collar> conditions;
+      if (hasStomata()) {
+        setAir(from, until, traits, plants, water);
+      }
       for (const double asked : wanted) {
         const double rate = keys_.transpiration.at(0.5 * (from + until)) + asked;
+        const double flow = transpirationBetween(rate, from, until);
+        // a collar that gives nothing off has no lowest head: water does not enter there
         conditions.push_back({.hasHead = keys_.hasCollarHead,
                               .head = keys_.collarHead,
-                              .flow = transpirationBetween(rate, from, until),
-                              .lowestHead = keys_.lowestHead});
+                              .flow = flow,
+                              .lowestHead = flow > 0.0 ? keys_.lowestHead : kLowest});
       }
       return conditions;
     };
     if (soil_) {
+      if (auto problem = soil_->problemOfRain("xylem", days_)) {
+        return problem;
+      }
       RootUptakeFromSoil uptake(water, *soil_, plants.middles, keys_.hasRhizosphere);
       const auto problem = uptake.passTime(days_, keys_.limits, collars, sums);
       return problem
@@ -350,15 +439,15 @@ class Xylem final : public turtle::EnvironmentProcess {
                                                     "'lowestHead'."))
                  : std::nullopt;
     }
-    const double count = keys_.changesInTime ? std::ceil(days_ / keys_.limits.longestStep - 1e-9) : 1.0;
+    const bool changes = keys_.changesInTime || (hasStomata() && world_.weather);
+    const double count = changes ? std::ceil(days_ / keys_.limits.longestStep - 1e-9) : 1.0;
     for (double part = 0.0; part < count; part += 1.0) {
       const double from = timeDays + part / count * days_;
       const auto result = water.solve(collars(from, from + days_ / count));
       if (!result) {
         return failure("finds no heads that fit flow, leaves and vessels: the residual is " +
                        numberText(result.error()) +
-                       " of the flow. Widen 'closingHeads', or use a smaller "
-                       "'vulnerabilityShape'.");
+                       " of the flow. Widen 'closingHeads', or use a smaller 'vulnerabilityShape' or 'stomataShape'.");
       }
       sums.add(*result, water.nodes(), days_ / count);
     }
@@ -382,6 +471,14 @@ class Xylem final : public turtle::EnvironmentProcess {
         values[5] = sums.collarHeads[node.plant] / sums.days;
         values[6] = sums.collarFlows[node.plant] / sums.days;
         values[7] = unit.conductances[node.plant];
+        if (hasStomata() && queries.parametersOf(query).size() > 2 && queries.parametersOf(query)[2] > 0.0) {
+          const PlantWater::LeafState& leaf = sums.leaves[end - 1];
+          values[5] = leaf.conductance / sums.days;
+          values[6] = leaf.temperature / sums.days;
+          values[7] = leaf.waterPart / sums.days;
+          values[8] = keys_.leafGas.growthAt(values[3]);
+          values[9] = leaf.latent / sums.days;
+        }
       }
       if (soil_) {
         if (const auto cell = soil_->cellOf(queries.position[query])) {
@@ -409,6 +506,8 @@ class Xylem final : public turtle::EnvironmentProcess {
   Vec3 up_{0.0, 1.0, 0.0};
   double days_ = 1.0;       // of a step
   double axialUnit_ = 1.0;  // what kx is multiplied by
+  double metres_ = 1.0;     // of the length unit
+  turtle::World world_;
   std::string lengthUnit_ = "m";
 };
 

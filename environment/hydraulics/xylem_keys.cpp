@@ -14,8 +14,90 @@ extern const ProcessEntry kSoilWaterProcess;
 namespace {
 
 constexpr std::array<std::string_view, 2> kCollars{"flow", "head"};
+constexpr std::array<std::string_view, 2> kLeafKinds{"demand", "stomata"};
 
-constexpr std::array kKeys{
+constexpr std::array kLeafKeys{
+    ConfigurationKey{.name = "leaves",
+                     .kind = KeyKind::Choice,
+                     .description = "demand: p3 is the water that leaves the plant; stomata: p3 is the area of a leaf, "
+                                    "whose water follows from light, air and its head",
+                     .defaultText = "demand",
+                     .choices = kLeafKinds},
+    ConfigurationKey{.name = "stomataConductance",
+                     .description = "g_max of open stomata, on a unit of leaf area (Jarvis 1976)",
+                     .unit = "m/s",
+                     .minimum = 0.0,
+                     .defaultNumber = 0.01},
+    ConfigurationKey{.name = "cuticleConductance",
+                     .description = "conductance of a leaf with closed stomata",
+                     .unit = "m/s",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "halfPar",
+                     .description = "light at which stomata are half open: PAR/(PAR + halfPar); 0: no response",
+                     .unit = "umol/(m^2 s)",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "halfDeficit",
+                     .description = "vapour pressure deficit at which stomata are half open: 1/(1 + VPD/halfDeficit); "
+                                    "0: no response",
+                     .unit = "kPa",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "stomataHead",
+                     .description = "pressure head of a leaf at which stomata are half open; 0: no response; the "
+                                    "default is converted from metres",
+                     .unit = "length",
+                     .maximum = 0.0,
+                     .defaultNumber = -100.0},
+    ConfigurationKey{.name = "stomataShape",
+                     .description = "exponent s of that response, 1/(1 + (head/stomataHead)^s)",
+                     .minimum = 0.1,
+                     .maximum = 50.0,
+                     .defaultNumber = 3.0},
+    ConfigurationKey{.name = "leafWidth",
+                     .description = "width of a leaf along the wind, for its boundary layer",
+                     .unit = "m",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 0.03},
+    ConfigurationKey{.name = "boundaryConductance",
+                     .description = "conductance of the boundary layer; 0: by leafWidth and wind",
+                     .unit = "m/s",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "temperature",
+                     .description = "of the air; the weather's takes its place",
+                     .unit = "degC",
+                     .minimum = -60.0,
+                     .maximum = 70.0,
+                     .defaultNumber = 20.0},
+    ConfigurationKey{.name = "humidity",
+                     .description = "relative, of the air; the weather's takes its place",
+                     .unit = "%",
+                     .minimum = 0.0,
+                     .maximum = 100.0,
+                     .defaultNumber = 60.0},
+    ConfigurationKey{.name = "wind",
+                     .description = "speed of the air at the leaves; the weather's takes its place",
+                     .unit = "m/s",
+                     .minimum = 0.0,
+                     .defaultNumber = 1.0},
+    ConfigurationKey{.name = "pressure",
+                     .description = "of the air",
+                     .unit = "kPa",
+                     .minimum = 20.0,
+                     .maximum = 120.0,
+                     .defaultNumber = 101.3},
+    ConfigurationKey{.name = "saturationCurve",
+                     .kind = KeyKind::Boolean,
+                     .description = "vapour pressure in a leaf: true: at the temperature of the leaf; false: along the "
+                                    "tangent at that of the air, as Penman and Monteith have it"},
+    ConfigurationKey{.name = "growthHead",
+                     .description = "pressure head of a leaf at which growth ends: 1 − head/growthHead, from 1 to 0 "
+                                    "(Lockhart 1965); the default is converted from metres",
+                     .unit = "length",
+                     .maximum = -1e-9,
+                     .defaultNumber = -80.0},
+};
+
+constexpr std::array kWaterKeys{
     ConfigurationKey{.name = "kr",
                      .description = "radial conductivity of roots",
                      .unit = "1/day",
@@ -128,6 +210,8 @@ constexpr std::array kKeys{
                      .defaultNumber = 1e-6},
 };
 
+constexpr auto kKeys = joinTables(kWaterKeys, kLeafKeys);
+
 core::Diagnostic wrongXylem(const std::string& sentence, std::string hint) {
   return wrongConfiguration("xylem", sentence, std::move(hint));
 }
@@ -145,12 +229,40 @@ extern constinit const ProcessEntry kXylemProcess{
     .summary = kXylemSummary,
     .source =
         "Landsberg & Fowkes 1978; Meunier et al. 2017, A hybrid analytical-numerical method for solving water flow "
-        "equations in root hydraulic architectures; Schröder et al. 2008; Couvreur et al. 2012; Peaceman 1978",
+        "equations in root hydraulic architectures; Schröder et al. 2008; Couvreur et al. 2012; Peaceman 1978; Jarvis "
+        "1976; Monteith 1965; Lockhart 1965",
     .keys = kKeys,
     .make = makeXylem};
 
+namespace {
+
+LeafKeys readLeafKeys(const Configuration& configuration) {
+  LeafKeys keys;
+  keys.hasStomata = configuration.text("leaves") == "stomata";
+  keys.stomata = {.most = configuration.number("stomataConductance"),
+                  .least = configuration.number("cuticleConductance"),
+                  .halfPar = configuration.number("halfPar"),
+                  .halfDeficit = configuration.number("halfDeficit"),
+                  .halfHead = configuration.number("stomataHead"),
+                  .shape = configuration.number("stomataShape")};
+  keys.isCurve = configuration.flag("saturationCurve");
+  keys.width = configuration.number("leafWidth");
+  keys.boundary = configuration.number("boundaryConductance");
+  keys.temperature = configuration.number("temperature");
+  keys.humidity = configuration.number("humidity");
+  keys.wind = configuration.number("wind");
+  keys.pressure = configuration.number("pressure");
+  keys.growthHead = configuration.number("growthHead");
+  keys.hasOwnStomataHead = configuration.isGiven("stomataHead");
+  keys.hasOwnGrowthHead = configuration.isGiven("growthHead");
+  return keys;
+}
+
+}  // namespace
+
 XylemKeys readXylem(const Configuration& configuration) {
   XylemKeys keys;
+  keys.leafGas = readLeafKeys(configuration);
   keys.radial = ConductivityTable(configuration.number("kr"), configuration.rows("krTable"));
   keys.axial = ConductivityTable(configuration.number("kx"), configuration.rows("kxTable"));
   keys.hasOwnAxial = configuration.isGiven("kx") || !configuration.rows("kxTable").empty();
@@ -204,6 +316,10 @@ std::vector<core::Diagnostic> checkXylem(const Configuration& configuration) {
     }
   }
   const auto& heads = configuration.numbers("closingHeads");
+  if (!heads.empty() && configuration.text("leaves") == "stomata") {
+    errors.push_back(wrongXylem("'closingHeads' belongs to leaves of the kind 'demand', and 'leaves' is 'stomata'",
+                                "write 'stomataHead' and 'stomataShape' in place of 'closingHeads'"));
+  }
   if (heads.size() == 1 || (heads.size() == 2 && !(heads[0] > heads[1]))) {
     errors.push_back(wrongXylem("'closingHeads' must be two heads, the second one lower",
                                 "write the head at which leaves begin to close, then that at which they are closed"));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -17,6 +18,25 @@ namespace espalier::environment {
 inline constexpr std::string_view kXylemSummary =
     "Water in the xylem of the plants as they are drawn, from root tips to leaves, alone or with the water of the "
     "soil.";
+
+/// Leaves with stomata, and the air around them when the weather does not say.
+struct LeafKeys {
+  bool hasStomata = false;
+  Stomata stomata;
+  bool isCurve = false;
+  double width = 0.03;    // of a leaf, m
+  double boundary = 0.0;  // conductance of the boundary layer, m/s; 0: by width and wind
+  double temperature = 20.0;
+  double humidity = 60.0;   // relative, %
+  double wind = 1.0;        // m/s
+  double pressure = 101.3;  // kPa
+  double growthHead = -100.0;
+  bool hasOwnStomataHead = false;
+  bool hasOwnGrowthHead = false;
+
+  /// Growth by turgor with a constant osmotic head (Lockhart 1965): 1 at the head 0, in proportion to 0 at growthHead.
+  [[nodiscard]] double growthAt(double head) const { return std::clamp(1.0 - head / growthHead, 0.0, 1.0); }
+};
 
 /// The configuration of `xylem` as values. Nothing stands where a default of another length unit has to be converted.
 struct XylemKeys {
@@ -39,6 +59,7 @@ struct XylemKeys {
   bool hasDayCourse = false;
   PlantWater::Leaves leaves;
   PlantWater::Vessels vessels;
+  LeafKeys leafGas;
   bool hasRhizosphere = true;
   RootUptakeFromSoil::Limits limits;
 };

@@ -59,7 +59,7 @@ void FlowSystem::solveColumns(const std::vector<double>& right, std::vector<doub
   }
 }
 
-void FlowSystem::multiply(const std::vector<double>& v, std::vector<double>& result) const {
+void FlowSystem::multiply(const std::vector<double>& v, const Addition& addition, std::vector<double>& result) const {
   for (std::size_t cell = 0; cell < v.size(); ++cell) {
     result[cell] = diagonal_[cell] * v[cell];
   }
@@ -70,17 +70,21 @@ void FlowSystem::multiply(const std::vector<double>& v, std::vector<double>& res
       result[cell + step] += back_[axis][cell] * v[cell];
     }
   }
+  if (addition) {
+    addition(v, result);
+  }
 }
 
-bool FlowSystem::solve(const std::vector<double>& right, double tolerance, std::vector<double>& result) {
+bool FlowSystem::solve(const std::vector<double>& right, double tolerance, std::vector<double>& result,
+                       const Addition& addition) {
   const std::size_t count = right.size();
   eliminate();
   solveColumns(right, result);
-  if (columns_[0] * columns_[1] == 1) {
+  if (columns_[0] * columns_[1] == 1 && !addition) {
     return std::isfinite(product(result, result));
   }
   const double enough = tolerance * tolerance * product(right, right);
-  multiply(result, image_);
+  multiply(result, addition, image_);
   for (std::size_t i = 0; i < count; ++i) {
     rest_[i] = right[i] - image_[i];
   }
@@ -93,14 +97,14 @@ bool FlowSystem::solve(const std::vector<double>& right, double tolerance, std::
       return true;
     }
     solveColumns(direction_, turned_);
-    multiply(turned_, image_);
+    multiply(turned_, addition, image_);
     const double width = along / product(shadow_, image_);
     for (std::size_t i = 0; i < count; ++i) {
       result[i] += width * turned_[i];
       rest_[i] -= width * image_[i];
     }
     solveColumns(rest_, half_);
-    multiply(half_, halfImage_);
+    multiply(half_, addition, halfImage_);
     const double norm = product(halfImage_, halfImage_);
     const double share = norm > 0.0 ? product(halfImage_, rest_) / norm : 0.0;
     for (std::size_t i = 0; i < count; ++i) {

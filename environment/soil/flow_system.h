@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace espalier::environment {
@@ -24,7 +25,14 @@ class FlowSystem {
   /// Solves for the right side `right` into `result`: one column by elimination, more by stabilised bi-conjugate
   /// gradients (van der Vorst 1992), preconditioned with the exact solution of each column. False when it does not get
   /// within `tolerance` of the right side (relative, Euclidean) or divides by 0.
-  [[nodiscard]] bool solve(const std::vector<double>& right, double tolerance, std::vector<double>& result);
+  [[nodiscard]] bool solve(const std::vector<double>& right, double tolerance, std::vector<double>& result) {
+    return solve(right, tolerance, result, nullptr);
+  }
+  /// What is added to the product of the matrix and a vector.
+  using Addition = std::function<void(const std::vector<double>& v, std::vector<double>& result)>;
+  /// The same with a matrix to which `addition` adds more; null: nothing.
+  [[nodiscard]] bool solve(const std::vector<double>& right, double tolerance, std::vector<double>& result,
+                           const Addition& addition);
 
  private:
   [[nodiscard]] std::size_t stride(std::size_t axis) const {
@@ -32,7 +40,7 @@ class FlowSystem {
   }
   void eliminate();
   void solveColumns(const std::vector<double>& right, std::vector<double>& result) const;
-  void multiply(const std::vector<double>& v, std::vector<double>& result) const;
+  void multiply(const std::vector<double>& v, const Addition& addition, std::vector<double>& result) const;
 
   std::array<std::size_t, 2> columns_;
   std::vector<double> diagonal_;

@@ -83,17 +83,15 @@ double FluxPotential::missingAt(double head) const {
   return head < 0.0 ? interpolate(missing_, head) : -soil_.conductivityAt(0.0) * head;
 }
 
-FluxPotential::Mean FluxPotential::meanBetween(double a, double b) const {
-  const double atA = soil_.conductivityAt(a);
-  const double atB = soil_.conductivityAt(b);
-  const double difference = a - b;
-  const double largest = std::max(std::abs(a), std::abs(b));
+FluxPotential::Mean FluxPotential::meanBetween(const Point& a, const Point& b) const {
+  const double difference = a.head - b.head;
+  const double largest = std::max(std::abs(a.head), std::abs(b.head));
   if (soil_.alpha * largest <= kNearSaturation || std::abs(difference) <= 1e-5 * largest) {
-    return {0.5 * (atA + atB), 0.5 * soil_.conductivitySlope(a), 0.5 * soil_.conductivitySlope(b)};
+    return {0.5 * (a.conductivity + b.conductivity), 0.5 * a.conductivitySlope, 0.5 * b.conductivitySlope};
   }
-  const bool isWet = -soil_.alpha * std::min(a, b) < 1.0;
-  const double mean = (isWet ? missingAt(b) - missingAt(a) : at(a) - at(b)) / difference;
-  return {mean, (atA - mean) / difference, (mean - atB) / difference};
+  const bool isWet = -soil_.alpha * std::min(a.head, b.head) < 1.0;
+  const double mean = (isWet ? b.missing - a.missing : a.phi - b.phi) / difference;
+  return {mean, (a.conductivity - mean) / difference, (mean - b.conductivity) / difference};
 }
 
 double FluxPotential::headAt(double potential) const {

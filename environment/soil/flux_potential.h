@@ -20,6 +20,22 @@ class FluxPotential {
   /// The head of a potential; the driest head of the table below its first value.
   [[nodiscard]] double headAt(double potential) const;
 
+  /// A head with what a mean of K needs of it.
+  struct Point {
+    double head = 0.0;
+    double conductivity = 0.0;       // length/day
+    double conductivitySlope = 0.0;  // 1/day
+    double phi = 0.0;                // Φ, length²/day
+    double missing = 0.0;            // Φ(0) − Φ, length²/day
+  };
+  [[nodiscard]] Point pointAt(double head) const {
+    return pointAt(head, soil_.conductivityAt(head), soil_.conductivitySlope(head));
+  }
+  /// The same with K and its slope, when they are known.
+  [[nodiscard]] Point pointAt(double head, double conductivity, double conductivitySlope) const {
+    return {head, conductivity, conductivitySlope, at(head), missingAt(head)};
+  }
+
   /// A mean of K between two heads, and its derivatives by them.
   struct Mean {
     double conductivity = 0.0;  // length/day
@@ -27,7 +43,8 @@ class FluxPotential {
     double byB = 0.0;
   };
   /// (Φ(a) − Φ(b))/(a − b); where both heads agree, (K(a) + K(b))/2.
-  [[nodiscard]] Mean meanBetween(double a, double b) const;
+  [[nodiscard]] Mean meanBetween(const Point& a, const Point& b) const;
+  [[nodiscard]] Mean meanBetween(double a, double b) const { return meanBetween(pointAt(a), pointAt(b)); }
 
  private:
   [[nodiscard]] double interpolate(const std::vector<double>& table, double head) const;

@@ -12,6 +12,7 @@ constexpr int kMostIterations = 25;
 constexpr int kMostHalvings = 6;
 constexpr double kShortestStepDays = 1e-9;
 constexpr double kSystemTolerance = 1e-8;  // of the linear equations: the next iteration repairs the rest
+constexpr double kUptakeTolerance = 1e-5;  // the same with an Uptake, which costs more
 constexpr double kMostGrowth = 2.0;        // of a time step from one to the next
 
 }  // namespace
@@ -42,9 +43,10 @@ RichardsSolver::RichardsSolver(const Shape& shape, std::vector<SoilLayer> soils,
   for (std::size_t cell = 0; cell < count; ++cell) {
     setHead(cell, -1.0);
   }
-  for (auto* numbers : {&sinks_, &surfaceFlux_, &bottomFlux_, &residual_, &change_}) {
+  for (auto* numbers : {&sinks_, &surfaceFlux_, &bottomFlux_, &residual_, &change_, &contents_, &uptakeByHead_}) {
     numbers->assign(count, 0.0);
   }
+  points_.resize(count);
 }
 
 void RichardsSolver::setHead(std::size_t cell, double head) {
@@ -60,11 +62,11 @@ double RichardsSolver::storedWater() const {
   return sum;
 }
 
-double RichardsSolver::advance(double days, const SoilBorders& borders, const Tolerance& tolerance) {
+double RichardsSolver::advance(double days, const SoilBorders& borders, const Tolerance& tolerance, Uptake* uptake) {
   double step = std::min(days, state_.timeStep);
   for (; step >= std::min(kShortestStepDays, days); step /= 3.0) {
     heads_ = state_.heads;
-    if (!iterate(step, borders, tolerance.iteration)) {
+    if (!iterate(step, borders, tolerance.iteration, uptake)) {
       continue;
     }
     const double error = timeErrorOf(step);
@@ -83,14 +85,17 @@ double RichardsSolver::advance(double days, const SoilBorders& borders, const To
   return 0.0;
 }
 
-bool RichardsSolver::iterate(double days, const SoilBorders& borders, double tolerance) {
-  assemble(days, borders);
-  double residual = largestResidual();
+bool RichardsSolver::iterate(double days, const SoilBorders& borders, double tolerance, Uptake* uptake) {
+  double residual = assemble(days, borders, uptake) ? largestResidual() : HUGE_VAL;
+  lastResidual_ = residual * days;
+  if (!std::isfinite(residual)) {
+    return false;
+  }
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     if (residual * days <= tolerance) {
       return true;
     }
-    if (!system_.solve(residual_, kSystemTolerance, change_)) {
+    if (!solveSystem(uptake)) {
       return false;
     }
     // a whole step of Newton's method, or as much of it as makes the residual smaller
@@ -101,8 +106,7 @@ bool RichardsSolver::iterate(double days, const SoilBorders& borders, double tol
       for (std::size_t cell = 0; cell < cellCount(); ++cell) {
         heads_[cell] = start[cell] + share * change_[cell];
       }
-      assemble(days, borders);
-      best = largestResidual();
+      best = assemble(days, borders, uptake) ? largestResidual() : HUGE_VAL;
       if (best < residual) {
         break;
       }
@@ -111,15 +115,30 @@ bool RichardsSolver::iterate(double days, const SoilBorders& borders, double tol
       return false;
     }
     residual = best;
+    lastResidual_ = residual * days;
   }
   return false;
+}
+
+bool RichardsSolver::solveSystem(const Uptake* uptake) {
+  if (uptake == nullptr) {
+    return system_.solve(residual_, kSystemTolerance, change_);
+  }
+  // the matrix has what each cell gives by its own head; the plants carry that to all cells
+  return system_.solve(residual_, kUptakeTolerance, change_,
+                       [this, uptake](const std::vector<double>& v, std::vector<double>& result) {
+                         for (std::size_t cell = 0; cell < v.size(); ++cell) {
+                           result[cell] -= uptakeByHead_[cell] * v[cell];
+                         }
+                         uptake->addChange(v, result);
+                       });
 }
 
 double RichardsSolver::timeErrorOf(double days) const {
   double largest = 0.0;
   for (std::size_t cell = 0; cell < cellCount(); ++cell) {
     if (isSoil(cell)) {
-      const double rate = (soilOf(cell).content(heads_[cell]) - state_.contents[cell]) / days;
+      const double rate = (contents_[cell] - state_.contents[cell]) / days;
       largest = std::max(largest, std::abs(rate - state_.rates[cell]));
     }
   }
@@ -131,7 +150,7 @@ void RichardsSolver::accept(double days, const SoilBorders& borders) {
   for (std::size_t cell = 0; cell < cellCount(); ++cell) {
     if (isSoil(cell)) {
       // the content after inflow and outflow, which differs a little from that of the head
-      const double content = soilOf(cell).content(heads_[cell]) + residual_[cell] * days / cellVolume(cell);
+      const double content = contents_[cell] + residual_[cell] * days / cellVolume(cell);
       state_.rates[cell] = (content - state_.contents[cell]) / days;
       state_.contents[cell] = content;
     }
@@ -144,15 +163,18 @@ void RichardsSolver::accept(double days, const SoilBorders& borders) {
   }
 }
 
-RichardsSolver::FaceFlow RichardsSolver::faceFlow(int soilFrom, int soilTo, double headFrom, double headTo, double rise,
+RichardsSolver::FaceFlow RichardsSolver::faceFlow(const Side& from, const Side& to, double rise,
                                                   double areaPerDistance) const {
   // K of the face is the mean over both soils of their mean K between the heads
-  FluxPotential::Mean mean = potentials_[static_cast<std::size_t>(soilFrom)].meanBetween(headFrom, headTo);
-  if (soilTo != soilFrom) {
-    const FluxPotential::Mean other = potentials_[static_cast<std::size_t>(soilTo)].meanBetween(headFrom, headTo);
+  const FluxPotential& potential = potentials_[static_cast<std::size_t>(from.soil)];
+  const bool isOneSoil = from.soil == to.soil;
+  FluxPotential::Mean mean = potential.meanBetween(from.point, isOneSoil ? to.point : potential.pointAt(to.point.head));
+  if (!isOneSoil) {
+    const FluxPotential& second = potentials_[static_cast<std::size_t>(to.soil)];
+    const FluxPotential::Mean other = second.meanBetween(second.pointAt(from.point.head), to.point);
     mean = {0.5 * (mean.conductivity + other.conductivity), 0.5 * (mean.byA + other.byA), 0.5 * (mean.byB + other.byB)};
   }
-  const double drop = headFrom - headTo;
+  const double drop = from.point.head - to.point.head;
   FaceFlow flow{areaPerDistance * mean.conductivity * drop, areaPerDistance * (mean.conductivity + mean.byA * drop),
                 areaPerDistance * (-mean.conductivity + mean.byB * drop)};
   if (rise == 0.0) {
@@ -161,12 +183,15 @@ RichardsSolver::FaceFlow RichardsSolver::faceFlow(int soilFrom, int soilTo, doub
   // gravity: where the upper side is the wetter one, with the mean of K at both sides, so that water in the soil behind
   // a front is not held back by the dry soil before it; elsewhere with the same mean as above, so that water at rest
   // stays
-  if ((rise < 0.0) == (headFrom > headTo)) {
-    const SoilLayer& one = soils_[static_cast<std::size_t>(soilFrom)];
-    const SoilLayer& other = soils_[static_cast<std::size_t>(soilTo)];
-    const double head = rise < 0.0 ? headFrom : headTo;
-    const double atUpper = 0.5 * (one.conductivityAt(head) + other.conductivityAt(head));
-    const double slope = 0.5 * (one.conductivitySlope(head) + other.conductivitySlope(head));
+  if ((rise < 0.0) == (from.point.head > to.point.head)) {
+    const FluxPotential::Point& upper = rise < 0.0 ? from.point : to.point;
+    double atUpper = upper.conductivity;
+    double slope = upper.conductivitySlope;
+    if (!isOneSoil) {
+      const SoilLayer& other = soils_[static_cast<std::size_t>(rise < 0.0 ? to.soil : from.soil)];
+      atUpper = 0.5 * (atUpper + other.conductivityAt(upper.head));
+      slope = 0.5 * (slope + other.conductivitySlope(upper.head));
+    }
     const double least = std::abs(rise) * areaPerDistance * atUpper;
     const double matric = std::abs(flow.flux);
     const double whole = matric + std::abs(rise) * areaPerDistance * mean.conductivity;
@@ -182,8 +207,11 @@ RichardsSolver::FaceFlow RichardsSolver::faceFlow(int soilFrom, int soilTo, doub
   return flow;
 }
 
-void RichardsSolver::assemble(double days, const SoilBorders& borders) {
+bool RichardsSolver::assemble(double days, const SoilBorders& borders, Uptake* uptake) {
   const std::size_t count = cellCount();
+  if (uptake != nullptr && !uptake->takeAt(heads_, days, sinks_, uptakeByHead_)) {
+    return false;
+  }
   system_.clear();
   for (std::size_t cell = 0; cell < count; ++cell) {
     surfaceFlux_[cell] = 0.0;
@@ -191,10 +219,15 @@ void RichardsSolver::assemble(double days, const SoilBorders& borders) {
     residual_[cell] = 0.0;
     system_.diagonal(cell) = 1.0;
     if (isSoil(cell)) {
-      const SoilLayer& soil = soilOf(cell);
+      const SoilLayer::Functions functions = soilOf(cell).at(heads_[cell]);
+      points_[cell] = potentialOf(cell).pointAt(heads_[cell], functions.conductivity, functions.conductivitySlope);
+      contents_[cell] = functions.content;
       const double storage = cellVolume(cell) / days;
-      system_.diagonal(cell) = soil.capacity(heads_[cell]) * storage;
-      residual_[cell] = -(soil.content(heads_[cell]) - state_.contents[cell]) * storage - sinks_[cell];
+      system_.diagonal(cell) = functions.capacity * storage;
+      residual_[cell] = -(functions.content - state_.contents[cell]) * storage - sinks_[cell];
+      if (uptake != nullptr) {
+        system_.diagonal(cell) += uptakeByHead_[cell];
+      }
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -204,8 +237,8 @@ void RichardsSolver::assemble(double days, const SoilBorders& borders) {
         continue;
       }
       const double distance = distanceToNext(cell, axis);
-      const FaceFlow flow = faceFlow(soilOf_[cell], soilOf_[cell + next], heads_[cell], heads_[cell + next],
-                                     axis == 2 ? distance : 0.0, faceArea(cell, axis) / distance);
+      const FaceFlow flow =
+          faceFlow(sideOf(cell), sideOf(cell + next), axis == 2 ? distance : 0.0, faceArea(cell, axis) / distance);
       fluxes_[axis][cell] = flow.flux;
       residual_[cell] -= flow.flux;
       residual_[cell + next] += flow.flux;
@@ -223,6 +256,7 @@ void RichardsSolver::assemble(double days, const SoilBorders& borders) {
       addBottom(cell, borders);
     }
   }
+  return true;
 }
 
 void RichardsSolver::addSurface(std::size_t cell, const SoilBorders& borders) {
@@ -230,7 +264,7 @@ void RichardsSolver::addSurface(std::size_t cell, const SoilBorders& borders) {
   const double half = sizeOf(cell, 2) / 2.0;
   // flow from a surface that has a head
   const auto inflow = [&](double surfaceHead) {
-    return faceFlow(soilOf_[cell], soilOf_[cell], surfaceHead, heads_[cell], -half, area / half);
+    return faceFlow(sideAt(cell, surfaceHead), sideOf(cell), -half, area / half);
   };
   double flux = 0.0;
   double byHead = 0.0;
@@ -261,10 +295,10 @@ void RichardsSolver::addBottom(std::size_t cell, const SoilBorders& borders) {
   const double half = sizeOf(cell, 2) / 2.0;
   double flux = 0.0;
   if (borders.bottom == SoilBorders::Bottom::Free) {
-    flux = soilOf(cell).conductivityAt(heads_[cell]) * area;
-    system_.diagonal(cell) += soilOf(cell).conductivitySlope(heads_[cell]) * area;
+    flux = points_[cell].conductivity * area;
+    system_.diagonal(cell) += points_[cell].conductivitySlope * area;
   } else if (borders.bottom == SoilBorders::Bottom::Head) {
-    const FaceFlow flow = faceFlow(soilOf_[cell], soilOf_[cell], heads_[cell], borders.bottomHead, -half, area / half);
+    const FaceFlow flow = faceFlow(sideOf(cell), sideAt(cell, borders.bottomHead), -half, area / half);
     flux = flow.flux;
     system_.diagonal(cell) += flow.byFrom;
   }

@@ -106,10 +106,28 @@ class RichardsSolver {
   /// All water in the box, length³.
   [[nodiscard]] double storedWater() const;
 
+  /// Water that something takes from the cells as their heads allow: it replaces the sinks.
+  class Uptake {
+   public:
+    Uptake() = default;
+    Uptake(const Uptake&) = delete;
+    Uptake& operator=(const Uptake&) = delete;
+    virtual ~Uptake() = default;
+    /// Sets what leaves each cell in a step of so many days that ends with these heads, length³ per day, and how it
+    /// grows with the head of the cell alone, length² per day. False: there is no such uptake.
+    [[nodiscard]] virtual bool takeAt(const std::vector<double>& heads, double days, std::vector<double>& sinks,
+                                      std::vector<double>& byHead) = 0;
+    /// Adds how all that changes with the heads near those of the last takeAt().
+    virtual void addChange(const std::vector<double>& headChanges, std::vector<double>& sinkChanges) const = 0;
+  };
+
   /// Lets time pass in one step of at most `days`, as long as converges and as its error allows. Returns the days that
   /// passed. 0 means that not even the shortest step of 10⁻⁹ days converged, and nothing has changed. Afterwards flux()
-  /// has the flow of the step.
-  [[nodiscard]] double advance(double days, const SoilBorders& borders, const Tolerance& tolerance);
+  /// has the flow of the step, and sinks() what `uptake` took.
+  [[nodiscard]] double advance(double days, const SoilBorders& borders, const Tolerance& tolerance,
+                               Uptake* uptake = nullptr);
+  /// What was wrong at the end of the last iteration in advance(), volume of water per volume of soil.
+  [[nodiscard]] double lastResidual() const { return lastResidual_; }
 
   /// Water that crossed the face above (axis 2), or towards higher i (axis 0) or k (axis 1) of a cell in the last
   /// advance(), length³ per day, in that direction.
@@ -126,11 +144,20 @@ class RichardsSolver {
     double byFrom = 0.0;
     double byTo = 0.0;
   };
-  [[nodiscard]] FaceFlow faceFlow(int soilFrom, int soilTo, double headFrom, double headTo, double rise,
-                                  double areaPerDistance) const;
+  /// One side of a face: the number of its soil, and its head.
+  struct Side {
+    int soil = 0;
+    FluxPotential::Point point;
+  };
+  [[nodiscard]] FaceFlow faceFlow(const Side& from, const Side& to, double rise, double areaPerDistance) const;
+  [[nodiscard]] Side sideOf(std::size_t cell) const { return {soilOf_[cell], points_[cell]}; }
+  [[nodiscard]] Side sideAt(std::size_t cell, double head) const {
+    return {soilOf_[cell], potentialOf(cell).pointAt(head)};
+  }
   [[nodiscard]] bool isBottomOfColumn(std::size_t cell) const { return cell < stride(2) && isSoil(cell); }
-  [[nodiscard]] bool iterate(double days, const SoilBorders& borders, double tolerance);
-  void assemble(double days, const SoilBorders& borders);
+  [[nodiscard]] bool iterate(double days, const SoilBorders& borders, double tolerance, Uptake* uptake);
+  [[nodiscard]] bool solveSystem(const Uptake* uptake);
+  [[nodiscard]] bool assemble(double days, const SoilBorders& borders, Uptake* uptake);
   void addSurface(std::size_t cell, const SoilBorders& borders);
   void addBottom(std::size_t cell, const SoilBorders& borders);
   [[nodiscard]] double largestResidual() const;
@@ -148,6 +175,10 @@ class RichardsSolver {
   std::vector<double> heads_;                  // of the iteration (cells)
   std::array<std::vector<double>, 3> fluxes_;  // (cells)
   std::vector<double> surfaceFlux_, bottomFlux_, residual_, change_;
+  std::vector<FluxPotential::Point> points_;  // of the iteration (cells)
+  std::vector<double> contents_;              // of the iteration (cells)
+  std::vector<double> uptakeByHead_;          // of what an Uptake takes, 0 without one (cells)
+  double lastResidual_ = 0.0;
   FlowSystem system_;
 };
 

@@ -1,10 +1,13 @@
 #include "environment/soil/soil_body.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "engine/core/elementary.h"
+#include "engine/turtle/weather.h"
 #include "environment/base/length_unit.h"
+#include "environment/base/number_text.h"
 #include "environment/geometry/world_up.h"
 
 namespace espalier::environment {
@@ -28,6 +31,12 @@ std::optional<turtle::EnvironmentError> SoilBody::open(std::string_view process,
   if (keys_.acidity && unit == nullptr) {
     return unknownLengthUnit(process, world);
   }
+  const bool hasRain = world.weather && world.weather->has("rain");
+  if (hasRain && unit == nullptr) {
+    return unknownLengthUnit(process, world);
+  }
+  perMillimetre_ = hasRain ? 1e-3 / unit->metres : 0.0;
+  world_ = world;
   litres_ = unit == nullptr ? 0.0 : unit->litres;
   lengthUnit_ = world.lengthUnit;
   ground_ = Ground(keys_.shape, *axes);
@@ -70,16 +79,41 @@ double SoilBody::phOf(std::size_t cell) const {
   return -core::log10(std::max(concentration, kLeast));
 }
 
-double SoilBody::advance(double days) {
+/// The rain from a day on, length/day; shortens `until` to the days for which it holds.
+double SoilBody::rainFrom(double day, double& until) const {
+  if (perMillimetre_ == 0.0) {
+    until = std::min(until, keys_.rain.remaining(day));
+    return keys_.rain.at(day);
+  }
+  // a time just before a full hour belongs to the next one
+  const double hour = std::floor(day * 24.0 + 1e-9);
+  until = std::min(until, (hour + 1.0) / 24.0 - day);
+  const double begin = std::max(hour / 24.0, std::min(world_.weather->begin(), day));
+  const double end = std::min((hour + 1.0) / 24.0, std::max(world_.weather->end(), day));
+  return 24.0 * perMillimetre_ * world_.weather->mean("rain", begin, end).value_or(0.0);
+}
+
+std::optional<turtle::EnvironmentError> SoilBody::problemOfRain(std::string_view process, double days) const {
+  if (perMillimetre_ == 0.0 || world_.weather->mean("rain", day_, day_ + days)) {
+    return std::nullopt;
+  }
+  return turtle::EnvironmentError{
+      "Environment '" + std::string(process) + "' " + turtle::missingWeather(world_, "rain", day_, day_ + days), false};
+}
+
+double SoilBody::advance(double days, RichardsSolver::Uptake* uptake, double tolerance) {
   SoilBorders borders = keys_.borders;
-  borders.rain = keys_.rain.at(day_);
   borders.evaporation = keys_.evaporation.at(day_);
-  const double until = std::min({days, keys_.rain.remaining(day_), keys_.evaporation.remaining(day_)});
+  double until = std::min(days, keys_.evaporation.remaining(day_));
+  borders.rain = rainFrom(day_, until);
   for (std::size_t cell = 0; cell < contentsBefore_.size(); ++cell) {
     contentsBefore_[cell] = water_->contentOf(cell);
   }
   // weather that ends within rounding has ended
-  const double passed = water_->advance(std::max(until, 1e-12 * std::max(1.0, day_ + days)), borders, keys_.tolerances);
+  RichardsSolver::Tolerance tolerances = keys_.tolerances;
+  tolerances.iteration = std::min(tolerances.iteration, tolerance);
+  const double passed =
+      water_->advance(std::max(until, 1e-12 * std::max(1.0, day_ + days)), borders, tolerances, uptake);
   if (passed > 0.0) {
     solutes_->follow(passed, contentsBefore_);
     day_ += passed;
@@ -88,11 +122,16 @@ double SoilBody::advance(double days) {
 }
 
 std::optional<turtle::EnvironmentError> SoilBody::passTime(double days) {
+  if (auto problem = problemOfRain("soil-water", days)) {
+    return problem;
+  }
   const double end = day_ + days;
   while (end - day_ > 1e-12 * std::max(1.0, end)) {
     if (!(advance(end - day_) > 0.0)) {
       return turtle::EnvironmentError{
-          "Environment 'soil-water' finds no solution of the flow of water on day " + std::to_string(day_) +
+          "Environment 'soil-water' finds no solution of the flow of water on day " + numberText(day_) +
+              ": the residual is " + numberText(water_->lastResidual()) + " of the water content, the tolerance " +
+              numberText(keys_.tolerances.iteration) +
               ". Use larger cells, a larger 'tolerance', or less extreme weather and layers.",
           false};
     }

@@ -40,8 +40,11 @@ class SoilBody {
   [[nodiscard]] double phOf(std::size_t cell) const;
 
   /// One internal time step of at most `days` under the weather of its beginning, with the sinks of water(). Returns
-  /// the days that passed; 0 when none converges.
-  [[nodiscard]] double advance(double days);
+  /// the days that passed; 0 when none converges. With `uptake`, that replaces the sinks, and θ(h) is met to
+  /// `tolerance` or better. The weather's rain, in means over hours, takes the place of the configuration's.
+  [[nodiscard]] double advance(double days, RichardsSolver::Uptake* uptake = nullptr, double tolerance = 1.0);
+  /// Why the rain of the coming days is not known, as in advance(); nothing when it is or is not needed.
+  [[nodiscard]] std::optional<turtle::EnvironmentError> problemOfRain(std::string_view process, double days) const;
   /// Says that time has come to `day`, which it has but for rounding.
   void arriveAt(double day) { day_ = day; }
   /// Internal steps for `days`; an error when one does not converge. The state then is not as before.
@@ -54,6 +57,7 @@ class SoilBody {
 
  private:
   void fill();
+  [[nodiscard]] double rainFrom(double day, double& until) const;
 
   ObstacleScene stones_;
   SoilWaterKeys keys_;
@@ -64,6 +68,8 @@ class SoilBody {
   double day_ = 0.0;
   double litres_ = 1000.0;  // in a volume of length unit cubed
   std::string lengthUnit_ = "m";
+  turtle::World world_;
+  double perMillimetre_ = 0.0;  // lengths in a millimetre; 0: the rain is the configuration's
 };
 
 /// The ground of a configuration of `soil-water`, or its errors.

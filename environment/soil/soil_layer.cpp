@@ -100,4 +100,26 @@ double SoilLayer::conductivitySlope(double head) const {
   return conductivity * (byLogOfRoot * film * film + 2.0 * root * film * byLogOfFilm) / head;
 }
 
+SoilLayer::Functions SoilLayer::at(double head) const {
+  const double straight = -kStraight / alpha;
+  if (head >= 0.0 || function == Function::Gardner || (n < 2.0 && head > straight)) {
+    return {content(head), capacity(head), conductivityAt(head), conductivitySlope(head)};
+  }
+  // as in the functions above, with each power computed once
+  const double m = 1.0 - 1.0 / n;
+  const double suction = -alpha * head;
+  const double power = core::pow(suction, n);
+  const double effective = core::pow(1.0 + power, 1.0 / n - 1.0);
+  const double film = -core::expm1(m * core::log(power / (1.0 + power)));
+  const double part = core::pow(power / (1.0 + power), m);
+  const double root = std::sqrt(effective);
+  const double byLogOfRoot = -0.5 * m * n * power / (1.0 + power) * root;
+  const double byLogOfFilm = -m * part * (n / (1.0 + power));
+  return {residualContent + (saturatedContent - residualContent) * effective + specificStorage * 0.0,
+          (saturatedContent - residualContent) * m * n * alpha * core::pow(suction, n - 1.0) *
+              core::pow(1.0 + power, -m - 1.0),
+          conductivity * root * film * film,
+          conductivity * (byLogOfRoot * film * film + 2.0 * root * film * byLogOfFilm) / head};
+}
+
 }  // namespace espalier::environment

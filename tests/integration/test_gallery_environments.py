@@ -341,6 +341,33 @@ class GalleryEnvironments(unittest.TestCase):
         # the layer is 0.3 m of 1.25 m; per metre of depth it has several times the roots of the sand
         self.assertGreater(lengths[True] / 0.3, 3 * lengths[False] / 0.95)
 
+    def test_a_plant_without_water_closes_its_stomata_wilts_and_recovers(self) -> None:
+        lines = espalier("derive", str(GALLERY / "wilting-plant"), "--every", "--quiet").stdout.splitlines()
+        leaves = [[[float(number) for number in query.split(",")] for query in re.findall(r"\?E\(([^)]*)\)L", line)]
+                  for line in lines]
+
+        def conductance(day: int, hour: int) -> float:
+            """Of the oldest leaf; the string of an hour has the answers of the hour before."""
+            return leaves[24 * (day - 1) + hour + 1][0][5]
+
+        # on the first days it follows the sun; on the fifth it is open in the morning, closes, and opens at night only by f(psi)
+        self.assertEqual(conductance(1, 3), 0.0)
+        self.assertGreater(conductance(2, 12), conductance(2, 7))
+        self.assertAlmostEqual(conductance(3, 12), conductance(1, 12), delta=1e-6)
+        self.assertLess(conductance(5, 12), 0.6 * conductance(5, 8))
+        noons = [conductance(day, 12) for day in range(1, 11)]
+        self.assertTrue(all(after < before for before, after in zip(noons[3:], noons[4:9])), noons)
+        self.assertLess(noons[8], 0.1 * noons[0])
+        self.assertAlmostEqual(noons[9], noons[0], delta=1e-5)  # after the rain
+        # closed leaves are warmer, and give off less heat as vapour
+        self.assertGreater(leaves[24 * 8 + 13][0][6], leaves[24 * 2 + 13][0][6] + 3)
+        self.assertLess(leaves[24 * 8 + 13][0][9], 0.2 * leaves[24 * 2 + 13][0][9])
+        # no turgor at noon: leaves grow and come more slowly
+        self.assertEqual(leaves[24 * 6 + 13][0][8], 0.0)
+        self.assertGreater(leaves[24 * 6 + 4][0][8], 0.5)
+        counts = [len(leaves[24 * day]) for day in (0, 4, 8)]
+        self.assertGreater(counts[1] - counts[0], counts[2] - counts[1])
+
     def test_a_stand_thins_along_the_line_of_minus_three_halves(self) -> None:
         derived = self.counted("self-thinning", {"P": "P("})
         points = []

@@ -14,7 +14,7 @@ class LongValidation(unittest.TestCase):
     @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes long: ./dev test --all long")
     def test_long_all_benchmarks_meet_their_tolerances(self) -> None:
         names = [line.split("\t")[0] for line in espalier("validate", "--list").stdout.splitlines() if "\tlong\t" in line]
-        self.assertGreater(len(names), 3)
+        self.assertTrue(names)
         for name in names:
             with self.subTest(name):
                 data = ["--data", str(PUBLISHED)] if PUBLISHED.is_dir() else []

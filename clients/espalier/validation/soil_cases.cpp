@@ -392,8 +392,8 @@ CaseResult solutes(const Data&) {
 constexpr std::array kSoilCases{
     Case{"m2.1-sand", "infiltration into sand (Schnepf et al. 2020; Vanderborght et al. 2005), cells of 0.5 cm", true,
          infiltrationIntoSand},
-    Case{"m2.1-loam", "the same into loam", false, infiltrationIntoLoam},
-    Case{"m2.1-clay", "the same into clay", false, infiltrationIntoClay},
+    Case{"m2.1-loam", "the same into loam", true, infiltrationIntoLoam},
+    Case{"m2.1-clay", "the same into clay", true, infiltrationIntoClay},
     Case{"m2.2", "evaporation from a bare soil (Schnepf et al. 2020), graded cells", true, evaporation},
     Case{"steady", "steady flow above a water table: dh/dz = q/K − 1, cells of 1 cm", true, steady},
     Case{"gardner", "transient flow in Gardner's soil (Srivastava & Yeh 1991), cells of 0.5 cm", true, gardner},

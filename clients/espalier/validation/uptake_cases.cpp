@@ -289,8 +289,8 @@ CaseResult dryingSoilByAge(const Data& data) {
 constexpr std::array kUptakeCases{
     Case{"c1.1", "stress around one root (Schnepf et al. 2020; Schröder et al. 2008)", true, oneRoot},
     Case{"c1.2", "a root system in drying soil (Schnepf et al. 2020), cells of 1 cm", true, dryingSoil},
-    Case{"c1.2-fine", "the same with cells of 0.5 cm", false, dryingSoilFine},
-    Case{"c1.2-ages", "the same with conductivities by order and age, cells of 1 cm", false, dryingSoilByAge},
+    Case{"c1.2-fine", "the same with cells of 0.5 cm", true, dryingSoilFine},
+    Case{"c1.2-ages", "the same with conductivities by order and age, cells of 1 cm", true, dryingSoilByAge},
 };
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "engine/turtle/field.h"
+#include "engine/turtle/weather.h"
+#include "environment/hydraulics/leaf_gas.h"
 #include "environment/hydraulics/rhizosphere.h"
 #include "environment/soil/flux_potential.h"
 #include "tests/environment/hydraulics/root_drawing.h"
@@ -229,6 +231,9 @@ TEST(Xylem, RefusesWhatCannotBe) {
             "Environment 'xylem' needs the radius of segments, and the model draws lines of so many pixels. Give the "
             "key 'radius', or 'line style: cylinder' in the view file.");
   auto world = centimetres();
+  world.world.up = {0, 0, 0};
+  EXPECT_NE(std::move(makeProcess("xylem", "").value())->open(world), std::nullopt);
+  world = centimetres();
   world.world.lengthUnit = "furlong";
   EXPECT_NE(std::move(makeProcess("xylem", "").value())->open(world), std::nullopt);
 }
@@ -289,6 +294,22 @@ TEST(Xylem, ASavedSoilGoesOnWithTheSameBits) {
   EXPECT_EQ(restored->save(), process->save());
 }
 
+TEST(Xylem, AStepWithoutSolutionIsAnErrorAndChangesNothing) {
+  const auto process =
+      openProcess("xylem",
+                  R"({"transpiration":[[0,1]],"soil":[{"type":"soil-water","gridSize":[1,8,1],"cellSize":[4,1,4],)"
+                  R"("position":[-2,-8,-2],"surface":"head","topHead":1e306,"initialHead":-1e6,)" +
+                      kLoamLayers + "}]}",
+                  centimetres());
+  const std::string before = process->save();
+  const std::string error = errorOf(*process, RootDrawing().root({0, 0, 0}, 7, 5, 0.1, kTen).queries());
+  EXPECT_EQ(error.find("Environment 'xylem' finds no uptake that fits soil and plants on day 0: the residual is "), 0U)
+      << error;
+  EXPECT_NE(error.find(". Use shorter steps ('longestStep'), larger cells, or a higher 'lowestHead'."),
+            std::string::npos);
+  EXPECT_EQ(process->save(), before);
+}
+
 TEST(Xylem, RootsCarryWaterFromWetToDrySoilAtNight) {
   // nothing leaves at the collar: what is taken up below leaves the root above
   const std::string soil =
@@ -330,21 +351,195 @@ TEST(Xylem, StressAroundOneRootBeginsWhenItsSurfaceIsDry) {
   }
 }
 
+TEST(Xylem, SoilAndPlantsFindTheirUptakeInAllSoilsAndConductances) {
+  // soils from sand to clay, wet and dry, roots that conduct ten times more and less, one plant and three: the balance
+  // holds, and no plant gets more than it wants
+  for (const std::string layers :
+       {"[[1000,0.045,0.43,0.15,3,1000]]", "[[1000,0.08,0.43,0.04,1.6,50]]", "[[1000,0.1,0.4,0.01,1.1,10]]",
+        "[[3,0.08,0.43,0.04,1.6,50],[1000,0.1,0.4,0.01,1.1,10]]"}) {
+    for (const double head : {-20.0, -660.0, -9000.0}) {
+      for (const double factor : {0.1, 1.0, 10.0}) {
+        const auto process = openProcess(
+            "xylem",
+            R"({"transpiration":[[0,2]],"dayCourse":true,"lowestHead":-15290,"krTable":[[1,0,)" +
+                std::to_string(0.001 * factor) + "],[2,0," + std::to_string(0.004 * factor) + R"(]],"kxTable":[[1,0,)" +
+                std::to_string(0.07 * factor) + "],[2,0," + std::to_string(0.0004 * factor) +
+                R"(]],"soil":[{"type":"soil-water","gridSize":[4,8,4],"cellSize":[1,1,1],"position":[-2,-8,-2],"layers":)" +
+                layers + R"(,"initialHead":)" + std::to_string(head) + R"(,"bottom":"closed"}]})",
+            centimetres(0.25));
+        const std::size_t plants = factor == 1.0 ? 3 : 1;
+        RootDrawing drawing;
+        for (std::size_t plant = 0; plant < plants; ++plant) {
+          const double x = 0.6 * static_cast<double>(plant) - 0.5;
+          drawing.root({x, 0, 0.2}, 7.3, 6, 0.1, kTen);
+          drawing.segment({x, -7.3 / 6, 0.2}, {x, -4, 1.2}, 0.05, kTen, 1);
+          drawing.nextPlant();
+        }
+        double taken = 0.0;
+        const double before = storedIn(*process, 1.0);
+        for (int step = 0; step < 5; ++step) {
+          const auto rows = answersOf(*process, drawing.queries(0.25 * step));
+          for (std::size_t plant = 0; plant < plants; ++plant) {
+            taken += 0.25 * *rows[7 * plant][kCollarFlow];
+            EXPECT_LT(*rows[7 * plant][kCollarFlow], 4.0 + 1e-9);
+          }
+        }
+        EXPECT_NEAR(before - storedIn(*process, 1.0), taken, 1e-10 * before) << layers << head << " " << factor;
+      }
+    }
+  }
+}
+
+TEST(Xylem, MirroredRootsAndOtherOrdersOfPlantsTakeUpTheSame) {
+  // the box and its soil are the same mirrored in x
+  const std::string configuration =
+      R"({"transpiration":[[0,1.5]],"dayCourse":true,"lowestHead":-15000,"kr":0.001,)" + kBox + "}";
+  const auto flowsOf = [&](double side, bool isTurned) {
+    RootDrawing drawing;
+    for (const bool isFirst : {!isTurned, isTurned}) {
+      const double x = isFirst ? 0.4 : -1.1;
+      drawing.root({side * x, 0, 0.3}, isFirst ? 7.3 : 5.1, 5, 0.1, kTen).nextPlant();
+    }
+    const auto process = openProcess("xylem", configuration, centimetres());
+    std::vector<double> flows;
+    for (int day = 0; day < 2; ++day) {
+      const auto rows = answersOf(*process, drawing.queries(day));
+      flows.push_back(*rows[isTurned ? 5 : 0][kExchange]);
+      flows.push_back(*rows[isTurned ? 0 : 5][kExchange]);
+    }
+    return flows;
+  };
+  const std::vector<double> flows = flowsOf(1.0, false);
+  for (const auto& other : {flowsOf(-1.0, false), flowsOf(1.0, true)}) {
+    for (std::size_t i = 0; i < flows.size(); ++i) {
+      EXPECT_NEAR(other[i], flows[i], 1e-5 * std::abs(flows[i]));
+    }
+  }
+}
+
+TEST(Xylem, HeadsShiftTogether) {
+  // without soil that resists and without gravity all heads lie higher by what the soil's and the collar's do
+  const auto headOf = [](double shift) {
+    const auto process = openProcess("xylem",
+                                     R"({"collar":"head","collarHead":)" + std::to_string(-1000.0 + shift) +
+                                         R"(,"soilHead":)" + std::to_string(-200.0 + shift) + "}",
+                                     centimetres());
+    return *answersOf(*process, RootDrawing().segment({0, 0, 0}, {9, 0, 0}, 0.1, kTen).queries())[0][kHead];
+  };
+  EXPECT_NEAR(headOf(-5000.0), headOf(0.0) - 5000.0, 1e-8);
+}
+
+// -- leaves with stomata
+
+constexpr std::size_t kStomata = 5, kLeafTemperature = 6, kWaterPart = 7, kGrowth = 8, kLatent = 9;
+
+/// A query of a leaf: its area, net radiation and light.
+std::vector<double> leafOf(double area, double netRadiation, double par) {
+  std::vector<double> leaf(10, 0.0);
+  leaf[2] = area;
+  leaf[3] = netRadiation;
+  leaf[4] = par;
+  return leaf;
+}
+
+RootDrawing plantWithLeaf(const std::vector<double>& leaf) {
+  RootDrawing drawing;
+  drawing.root({0, 0, 0}, 20, 4, 0.1, kTen).segment({0, 0, 0}, {0, 10, 0}, 0.3, leaf);
+  return drawing;
+}
+
+TEST(Xylem, ALeafOnWetSoilGivesWhatPenmanAndMonteithSay) {
+  // roots of so large a conductance leave the stomata as light and air have them
+  const auto process =
+      openProcess("xylem",
+                  R"({"leaves":"stomata","kr":10,"kx":1e6,"soilHead":-1,"halfPar":200,"halfDeficit":1.5,)"
+                  R"("temperature":25,"humidity":50,"boundaryConductance":0.02})",
+                  centimetres());
+  const auto rows = answersOf(*process, plantWithLeaf(leafOf(50.0, 350.0, 600.0)).queries());
+  const Air air{25.0, 0.5 * saturationPressure(25.0), 101.3};
+  const double open = 0.01 * 0.75 / (1.0 + 0.5 * saturationPressure(25.0) / 1.5);
+  const LeafExchange expected = leafExchange(air, 350.0, 0.02, open, false);
+  EXPECT_NEAR(*rows[4][kStomata] / open, 1.0, 1e-3);
+  EXPECT_NEAR(*rows[4][kExchange] / (-expected.water * 50.0 * 8640.0), 1.0, 1e-3);
+  EXPECT_NEAR(*rows[4][kLeafTemperature], expected.temperature, 1e-2);
+  EXPECT_NEAR(*rows[4][kLatent] / expected.latent, 1.0, 1e-3);
+  EXPECT_GT(*rows[4][kGrowth], 0.99);
+  // what the leaf gives off is what the roots take up
+  EXPECT_NEAR(*rows[0][kExchange] + *rows[1][kExchange] + *rows[2][kExchange] + *rows[3][kExchange],
+              -*rows[4][kExchange], 1e-8);
+}
+
+TEST(Xylem, StomataCloseInDryingSoilBeforeTheLeafWilts) {
+  // a pot of loam: the leaf gives less each quarter of a day, its head stays above −15,000 cm, growth ends
+  const auto process = openProcess(
+      "xylem",
+      R"({"leaves":"stomata","kr":0.005,"kx":5,"stomataHead":-6000,"stomataShape":4,"growthHead":-7000,)" + kBox + "}",
+      centimetres(0.25));
+  double before = HUGE_VAL;
+  std::vector<double> last;
+  for (int step = 0; step < 24; ++step) {
+    const auto rows = answersOf(*process, plantWithLeaf(leafOf(2.0, 250.0, 0.0)).queries(0.25 * step));
+    const double given = -*rows[4][kExchange];
+    EXPECT_LT(given, before * (1.0 + 1e-9));
+    EXPECT_GT(*rows[4][kHead], -15000.0);
+    EXPECT_NEAR(*rows[4][kGrowth], std::clamp(1.0 + *rows[4][kHead] / 7000.0, 0.0, 1.0), 1e-9);
+    before = given;
+    last = {*rows[4][kWaterPart], *rows[4][kGrowth], *rows[4][kLeafTemperature]};
+    if (step == 0) {
+      EXPECT_GT(*rows[4][kWaterPart], 0.9);
+      EXPECT_GT(*rows[4][kGrowth], 0.4);
+    }
+  }
+  EXPECT_LT(last[0], 0.2);
+  EXPECT_EQ(last[1], 0.0);
+  EXPECT_GT(last[2], 22.0);  // a leaf that gives little water is warmer than the air of 20 °C
+}
+
+TEST(Xylem, LeavesReadTheAirOfTheWeather) {
+  auto world = centimetres(1.0 / 24.0);
+  world.world.weather = std::make_shared<const turtle::Weather>(
+      turtle::Weather::read("time,temperature,humidity,wind\n0,30,40,2\n0.5,10,90,1\n", "").value());
+  const auto process = openProcess("xylem", R"({"leaves":"stomata","kr":10,"kx":1e6,"soilHead":-1})", world);
+  const auto warm = answersOf(*process, plantWithLeaf(leafOf(10.0, 100.0, 0.0)).queries(0.25));
+  const auto cool = answersOf(*process, plantWithLeaf(leafOf(10.0, 100.0, 0.0)).queries(0.75));
+  const Air air{30.0, 0.4 * saturationPressure(30.0), 101.3};
+  EXPECT_NEAR(*warm[4][kLatent] / leafExchange(air, 100.0, boundaryConductance(0.03, 2.0), 0.01, false).latent, 1.0,
+              1e-3);
+  EXPECT_LT(*cool[4][kLatent], 0.5 * *warm[4][kLatent]);
+  EXPECT_EQ(errorOf(*process, plantWithLeaf(leafOf(10.0, 100.0, 0.0)).queries(1.5)),
+            "Environment 'xylem' needs the weather from day 1.5 to day 1.5416666666666667, and the table ends on day 1 "
+            "or begins "
+            "after it. Add rows to the table, or make fewer steps.");
+}
+
+TEST(Xylem, RefusesLeavesThatCannotBe) {
+  const auto process = openProcess("xylem", R"({"leaves":"stomata"})", centimetres());
+  EXPECT_EQ(errorOf(*process, plantWithLeaf(leafOf(-2.0, 1.0, 1.0)).queries()),
+            "Environment 'xylem' got the leaf area -2 in parameter 3 of module 9 of plant 0. Send a number of at least "
+            "0.");
+  EXPECT_EQ(errorOf(*process, plantWithLeaf(leafOf(2.0, 1.0, -5.0)).queries()),
+            "Environment 'xylem' got the light -5 in parameter 5 of module 9 of plant 0. Send a number of at least 0.");
+}
+
 TEST(Rhizosphere, TheUptakeIsWhatSoilAndRootBothCarry) {
   const FluxPotential potential(kLoam);
+  const double kRoot = 2.0 * std::numbers::pi * 0.02 * 0.002;  // 2πa kr
   for (const double xylem : {-200.0, -2000.0, -15000.0, -1e6}) {
-    const RootUptake uptake = rootUptake(potential, annulusFactor(20.0), -150.0, 0.02, 0.002, xylem, -150.0);
+    const RootUptake uptake = rootUptake(potential, annulusFactor(20.0), -150.0, kRoot, xylem, -150.0);
     const double ofRoot = 2.0 * std::numbers::pi * 0.02 * 0.002 * (uptake.surfaceHead - xylem);
     const double ofSoil =
         2.0 * std::numbers::pi / annulusFactor(20.0) * (potential.at(-150.0) - potential.at(uptake.surfaceHead));
     EXPECT_NEAR(uptake.perLength / ofRoot, 1.0, 1e-9);
     EXPECT_NEAR(uptake.perLength / ofSoil, 1.0, 1e-6);
     // its slope, by a difference
-    const RootUptake other = rootUptake(potential, annulusFactor(20.0), -150.0, 0.02, 0.002, xylem * 1.0001, -150.0);
+    const RootUptake other = rootUptake(potential, annulusFactor(20.0), -150.0, kRoot, xylem * 1.0001, -150.0);
     EXPECT_NEAR((other.perLength - uptake.perLength) / (-0.0001 * xylem) / uptake.byHead, 1.0, 2e-3);
+    // and that by the head of the soil
+    const RootUptake wetter = rootUptake(potential, annulusFactor(20.0), -149.99, kRoot, xylem, -150.0);
+    EXPECT_NEAR((wetter.perLength - uptake.perLength) / 0.01 / uptake.bySoilHead, 1.0, 2e-3);
   }
   // water that leaves a root meets the root alone
-  EXPECT_NEAR(rootUptake(potential, 2.0, -150.0, 0.02, 0.002, -50.0, 0.0).perLength,
+  EXPECT_NEAR(rootUptake(potential, 2.0, -150.0, kRoot, -50.0, 0.0).perLength,
               -100.0 * 2.0 * std::numbers::pi * 0.02 * 0.002, 1e-12);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/turtle/field.h"
+#include "engine/turtle/weather.h"
 #include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
@@ -107,6 +108,34 @@ TEST(SoilWater, StonesHoldNoWaterAndTheWeatherChanges) {
   EXPECT_GT(*answerAt(*process, top)[2], dry + 0.05) << "after the rain of the fourth day";
 }
 
+TEST(SoilWater, TheWeathersRainTakesThePlaceOfItsOwn) {
+  // 2 mm/h from 6 to 12 h: 12 mm in the day, on dry ground that lets all in; what the key says does not count
+  turtle::EnvironmentContext context;
+  context.world.weather = std::make_shared<const turtle::Weather>(
+      turtle::Weather::read("time,rain\n0,0\n0.25,2\n0.5,0\n1,0\n1.5,0\n", "").value());
+  const auto process =
+      openProcess("soil-water", "{" + kColumn + R"(,"bottom":"closed","initialHead":-5,"rain":[[0,7]]})", context);
+  const auto stored = [&] {
+    const std::vector<turtle::Field> fields = process->fields();
+    double sum = 0.0;
+    for (const double content : fields[0].values) {
+      sum += 0.1 * content;
+    }
+    return sum;
+  };
+  const double before = stored();
+  ASSERT_FALSE(process->tick(0).has_value());
+  EXPECT_NEAR(stored() - before, 0.012, 1e-9);
+  ASSERT_FALSE(process->tick(1).has_value());
+  EXPECT_NEAR(stored() - before, 0.012, 1e-9);
+  const auto error = process->tick(2);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->message,
+            "Environment 'soil-water' needs the weather from day 2 to day 3, and the table ends on day 2 or begins "
+            "after it. Add rows to the table, or make fewer steps.");
+  EXPECT_NEAR(stored() - before, 0.012, 1e-9);
+}
+
 TEST(SoilWater, FieldsShowWhatQueriesSee) {
   const auto process =
       openProcess("soil-water", "{" + kColumn + R"(,"initially":"waterTable","bottom":"closed","acidity":true,)" +
@@ -173,7 +202,9 @@ TEST(SoilWater, AFlowWithoutSolutionIsAnErrorAndChangesNothing) {
   const auto error = process->tick(0);
   ASSERT_TRUE(error.has_value());
   EXPECT_EQ(error->message.find("Environment 'soil-water' finds no solution of the flow of water on day "), 0U);
-  EXPECT_NE(error->message.find(". Use larger cells, a larger 'tolerance', or less extreme weather and layers."),
+  EXPECT_NE(error->message.find(": the residual is "), std::string::npos);
+  EXPECT_NE(error->message.find(" of the water content, the tolerance 1.0e-06. Use larger cells, a larger 'tolerance', "
+                                "or less extreme weather and layers."),
             std::string::npos);
   EXPECT_EQ(process->save(), before);
 }
