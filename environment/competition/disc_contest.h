@@ -42,15 +42,21 @@ template <typename Overlaps>
   const auto strengthOf = [&](std::size_t i) { return std::pair(rules.hasVigor ? all[i].second : 0.0, all[i].radius); };
   const auto settle = [&](std::span<const std::size_t> contest) {
     // ranks by strength; equal strengths share one
-    std::vector<std::size_t> strongestFirst(contest.size());
-    std::iota(strongestFirst.begin(), strongestFirst.end(), std::size_t{0});
+    struct Strength {
+      std::pair<double, double> value;
+      std::size_t member;
+    };
+    std::vector<Strength> strongestFirst(contest.size());
+    for (std::size_t member = 0; member < contest.size(); ++member) {
+      strongestFirst[member] = {strengthOf(contest[member]), member};
+    }
     std::stable_sort(strongestFirst.begin(), strongestFirst.end(),
-                     [&](std::size_t a, std::size_t b) { return strengthOf(contest[a]) > strengthOf(contest[b]); });
+                     [](const Strength& a, const Strength& b) { return a.value > b.value; });
     std::vector<Disc> discs(contest.size());
     auto rank = static_cast<std::uint32_t>(contest.size());
     for (std::size_t k = 0; k < contest.size(); ++k) {
-      const std::size_t member = strongestFirst[k];
-      if (k > 0 && strengthOf(contest[member]) != strengthOf(contest[strongestFirst[k - 1]])) {
+      const std::size_t member = strongestFirst[k].member;
+      if (k > 0 && strongestFirst[k].value != strongestFirst[k - 1].value) {
         --rank;
       }
       discs[member] = {all[contest[member]].centre, all[contest[member]].radius, rank};
@@ -59,7 +65,9 @@ template <typename Overlaps>
     DiscTree tree(discs);
     for (std::size_t k = 0; k < contest.size(); ++k) {
       // without vigor no disc is taken out, so the order does not matter
-      const std::size_t member = !rules.hasVigor ? tree.order()[k] : rules.isInStringOrder ? k : strongestFirst[k];
+      const std::size_t member = !rules.hasVigor         ? tree.order()[k]
+                                 : rules.isInStringOrder ? k
+                                                         : strongestFirst[k].member;
       isDominated[contest[member]] =
           tree.isOverlapped(member, discs[member].rank + (rules.hasVigor ? 1U : 0U), overlaps);
       if (isDominated[contest[member]] && rules.hasVigor) {

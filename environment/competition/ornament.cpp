@@ -8,11 +8,11 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/competition/published_variants.h"
+#include "environment/competition/stamped_counts.h"
 #include "environment/geometry/raster.h"
 
 namespace espalier::environment {
@@ -28,7 +28,8 @@ constexpr auto kKeys = joinTables(kRasterKeys, kOwnKeys);
 
 class Ornament final : public turtle::EnvironmentProcess {
  public:
-  explicit Ornament(const Configuration& configuration) : raster_(configuration), counts_(raster_.cellCount(), 0) {}
+  explicit Ornament(const Configuration& configuration)
+      : raster_(configuration), counts_(raster_.cellCount(), raster_.cellsInRow()) {}
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override { return describeOrnament(lengthUnit_); }
 
@@ -39,19 +40,12 @@ class Ornament final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
-    // the cells touched in the step before are emptied, not the whole raster
-    for (const std::size_t cell : touched_) {
-      counts_[cell] = 0;
-    }
-    touched_.clear();
+    counts_.clear();
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const auto parameters = queries.parametersOf(query);
       if (parameters.size() > 1 && parameters[1] > 0.0) {
-        raster_.forEachCellOfDisc(queries.position[query], parameters[1], [&](std::size_t cell) {
-          if (counts_[cell]++ == 0) {
-            touched_.push_back(cell);
-          }
-        });
+        raster_.forEachRowOfDisc(queries.position[query], parameters[1],
+                                 [this](std::size_t first, std::size_t last) { counts_.stamp(first, last); });
       }
     }
     for (std::size_t query = 0; query < queries.size(); ++query) {
@@ -60,7 +54,7 @@ class Ornament final : public turtle::EnvironmentProcess {
         continue;
       }
       const auto cell = raster_.cellOf(queries.position[query]);
-      replies.set(queries, query, 0, cell ? static_cast<double>(counts_[*cell]) : 0.0);
+      replies.set(queries, query, 0, cell ? static_cast<double>(counts_.of(*cell)) : 0.0);
       replies.set(queries, query, 1, cell ? raster_.lightOf(*cell) : 0.0);
     }
     countAnswers(queries, replies);
@@ -69,8 +63,7 @@ class Ornament final : public turtle::EnvironmentProcess {
 
  private:
   Raster raster_;
-  std::vector<std::uint32_t> counts_;  // objects over a cell (cellCount)
-  std::vector<std::size_t> touched_;   // cells that are not 0
+  StampedCounts<std::uint32_t> counts_;
   std::string lengthUnit_ = "m";
 };
 

@@ -4,22 +4,20 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "environment/base/replies.h"
 #include "environment/competition/published_variants.h"
+#include "environment/competition/stamped_counts.h"
 #include "environment/geometry/published_raster.h"
 
 namespace espalier::environment {
 
 namespace {
 
-constexpr std::uint8_t kMostObjects = 255;
-
 class PublishedOrnament final : public turtle::EnvironmentProcess {
  public:
   explicit PublishedOrnament(const Configuration& configuration)
-      : raster_(configuration), counts_(raster_.cellCount(), 0) {}
+      : raster_(configuration), counts_(raster_.cellCount(), raster_.cellsInRow()) {}
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override { return describeOrnament(lengthUnit_); }
 
@@ -30,27 +28,18 @@ class PublishedOrnament final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
-    for (const std::size_t cell : touched_) {
-      counts_[cell] = 0;
-    }
-    touched_.clear();
+    counts_.clear();
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const auto parameters = queries.parametersOf(query);
       if (parameters.size() == 2) {
-        raster_.forEachCellOfDisc(queries.position[query], toFloat(parameters[1]), [&](std::size_t cell) {
-          if (counts_[cell] == 0) {
-            touched_.push_back(cell);
-          }
-          if (counts_[cell] < kMostObjects) {
-            ++counts_[cell];
-          }
-        });
+        raster_.forEachRowOfDisc(queries.position[query], toFloat(parameters[1]),
+                                 [this](std::size_t first, std::size_t last) { counts_.stamp(first, last); });
       }
     }
     for (std::size_t query = 0; query < queries.size(); ++query) {
       if (queries.parametersOf(query).size() == 2) {
         const auto cell = raster_.cellOf(queries.position[query]);
-        replies.set(queries, query, 0, cell ? static_cast<double>(counts_[*cell]) : 0.0);
+        replies.set(queries, query, 0, cell ? static_cast<double>(counts_.of(*cell)) : 0.0);
         replies.set(queries, query, 1, cell ? raster_.lightOf(*cell) : 0.0);
       }
     }
@@ -60,8 +49,7 @@ class PublishedOrnament final : public turtle::EnvironmentProcess {
 
  private:
   PublishedRaster raster_;
-  std::vector<std::uint8_t> counts_;  // objects over a cell (cellCount)
-  std::vector<std::size_t> touched_;  // cells that are not 0
+  StampedCounts<std::uint8_t> counts_;
   std::string lengthUnit_ = "m";
 };
 

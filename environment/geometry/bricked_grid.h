@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace espalier::environment {
@@ -41,6 +42,12 @@ class BrickedGrid {
       bricks_[brick - 1].fill(T{});
     }
     return bricks_[brick - 1][cellIndex(x, y, z)];
+  }
+  /// The cells from z on with the same x and y that lie one after the other in memory, at most those before `endZ`; for
+  /// writing.
+  [[nodiscard]] std::span<T> run(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t endZ) {
+    const std::int64_t length = kSide - z % kSide;
+    return {&at(x, y, z), static_cast<std::size_t>(length < endZ - z ? length : endZ - z)};
   }
   /// All cells become 0; the bricks are kept for the next use.
   void clear() {

@@ -24,6 +24,10 @@ DiscTree::DiscTree(std::vector<Disc> discs)
   for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
     build(node);
   }
+  grouped_.reserve(discs_.size());
+  for (const std::uint32_t disc : order_) {
+    grouped_.push_back(discs_[disc]);
+  }
   // maxima from the leaves up: children come after their parents
   for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
     update(*node);

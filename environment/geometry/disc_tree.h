@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -58,6 +60,7 @@ class DiscTree {
   std::vector<Disc> discs_;
   std::vector<std::uint8_t> isRemoved_;  // by disc
   std::vector<std::uint32_t> order_;     // discs grouped by leaf
+  std::vector<Disc> grouped_;            // as order_
   std::vector<std::uint32_t> leafOf_;    // node by disc
   std::vector<Node> nodes_;              // the root first
 };
@@ -66,10 +69,12 @@ template <typename Overlaps>
 bool DiscTree::isOverlapped(std::size_t index, std::uint32_t rank, const Overlaps& overlaps) const {
   constexpr double kMargin = 1.0 + 1e-5;  // more than floats round
   const Disc& own = discs_[index];
-  std::vector<std::uint32_t> open{0};
-  while (!open.empty()) {
-    const Node& node = nodes_[open.back()];
-    open.pop_back();
+  // halving keeps the tree flat: a stack of this size is enough for 2^32 discs
+  std::array<std::uint32_t, 64> open;
+  std::size_t depth = 0;
+  open[depth++] = 0;
+  while (depth > 0) {
+    const Node& node = nodes_[open[--depth]];
     const double reach = (own.radius + node.maximumRadius) * kMargin;
     const core::Vec3 gap{outside(own.centre.x, node.low.x, node.high.x), outside(own.centre.y, node.low.y, node.high.y),
                          outside(own.centre.z, node.low.z, node.high.z)};
@@ -77,13 +82,13 @@ bool DiscTree::isOverlapped(std::size_t index, std::uint32_t rank, const Overlap
       continue;
     }
     if (node.children != 0) {
-      open.push_back(node.children);
-      open.push_back(node.children + 1);
+      open[depth++] = node.children;
+      open[depth++] = node.children + 1;
       continue;
     }
     for (std::uint32_t k = node.begin; k < node.end; ++k) {
-      const Disc& other = discs_[order_[k]];
-      if (order_[k] != index && isRemoved_[order_[k]] == 0 && other.rank >= rank && overlaps(own, other)) {
+      const Disc& other = grouped_[k];
+      if (other.rank >= rank && order_[k] != index && isRemoved_[order_[k]] == 0 && overlaps(own, other)) {
         return true;
       }
     }

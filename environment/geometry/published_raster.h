@@ -17,13 +17,24 @@ class PublishedRaster {
   explicit PublishedRaster(const Configuration& configuration);
 
   [[nodiscard]] std::size_t cellCount() const { return shape_.cellCount(); }
+  [[nodiscard]] std::size_t cellsInRow() const { return shape_.cells[0]; }
   /// As Raster::cellOf.
   [[nodiscard]] std::optional<std::size_t> cellOf(const core::Vec3& point) const;
 
   /// The cells of a disc, those outside the raster left out. Its half-axes are int(radius in cells + 1) cells a and b.
-  /// From the cell of the centre it has the cells −a ≤ i < a, −b ≤ j < b with (i/a)² + (j/b)² ≤ 1. `visit(cell)`.
+  /// From the cell of the centre it has the cells −a ≤ i < a, −b ≤ j < b with (i/a)² + (j/b)² ≤ 1. Row by row:
+  /// `visit(first, last)`.
   template <typename Visit>
-  void forEachCellOfDisc(const core::Vec3& centre, float radius, const Visit& visit) const;
+  void forEachRowOfDisc(const core::Vec3& centre, float radius, const Visit& visit) const;
+  /// The same cell by cell: `visit(cell)`.
+  template <typename Visit>
+  void forEachCellOfDisc(const core::Vec3& centre, float radius, const Visit& visit) const {
+    forEachRowOfDisc(centre, radius, [&](std::size_t first, std::size_t last) {
+      for (std::size_t cell = first; cell <= last; ++cell) {
+        visit(cell);
+      }
+    });
+  }
 
   /// 0 … 255 by cell.
   [[nodiscard]] double lightOf(std::size_t cell) const { return maps_.light[cell]; }
@@ -38,7 +49,7 @@ class PublishedRaster {
 };
 
 template <typename Visit>
-void PublishedRaster::forEachCellOfDisc(const core::Vec3& centre, float radius, const Visit& visit) const {
+void PublishedRaster::forEachRowOfDisc(const core::Vec3& centre, float radius, const Visit& visit) const {
   constexpr float kMostCells = 1 << 20;  // far more than a raster has, so that squares of cells fit 64 bits
   const auto middle = cellsOf(centre);
   std::array<std::int64_t, 2> own{};
@@ -58,11 +69,21 @@ void PublishedRaster::forEachCellOfDisc(const core::Vec3& centre, float radius, 
   const double bb = static_cast<double>(half[1] * half[1]);
   for (std::int64_t y = first[1]; y <= last[1]; ++y) {
     const double jj = static_cast<double>((y - own[1]) * (y - own[1]));
-    for (std::int64_t x = first[0]; x <= last[0]; ++x) {
+    const auto isInside = [&](std::int64_t x) {
       const double ii = static_cast<double>((x - own[0]) * (x - own[0]));
-      if (ii * bb + jj * aa <= aa * bb) {
-        visit(static_cast<std::size_t>(y) * shape_.cells[0] + static_cast<std::size_t>(x));
-      }
+      return ii * bb + jj * aa <= aa * bb;
+    };
+    std::int64_t low = first[0];
+    std::int64_t high = last[0];
+    while (low <= high && !isInside(low)) {
+      ++low;
+    }
+    while (low <= high && !isInside(high)) {
+      --high;
+    }
+    if (low <= high) {
+      const std::size_t row = static_cast<std::size_t>(y) * shape_.cells[0];
+      visit(row + static_cast<std::size_t>(low), row + static_cast<std::size_t>(high));
     }
   }
 }

@@ -53,14 +53,24 @@ class Raster {
   explicit Raster(const Configuration& configuration);
 
   [[nodiscard]] std::size_t cellCount() const { return shape_.cellCount(); }
+  [[nodiscard]] std::size_t cellsInRow() const { return shape_.cells[0]; }
   /// The cell that a point lies over, counted from the low corner row by row; nothing outside. Low borders belong to
   /// the raster, high ones do not.
   [[nodiscard]] std::optional<std::size_t> cellOf(const core::Vec3& point) const;
 
-  /// The cells whose middle is within the radius of a point, those outside the raster left out. `visit(cell)`. O(cells
-  /// of the disc).
+  /// The cells whose middle is within the radius of a point, those outside the raster left out, row by row:
+  /// `visit(first, last)`. O(rows of the disc + its border).
   template <typename Visit>
-  void forEachCellOfDisc(const core::Vec3& centre, double radius, const Visit& visit) const;
+  void forEachRowOfDisc(const core::Vec3& centre, double radius, const Visit& visit) const;
+  /// The same cell by cell: `visit(cell)`.
+  template <typename Visit>
+  void forEachCellOfDisc(const core::Vec3& centre, double radius, const Visit& visit) const {
+    forEachRowOfDisc(centre, radius, [&](std::size_t first, std::size_t last) {
+      for (std::size_t cell = first; cell <= last; ++cell) {
+        visit(cell);
+      }
+    });
+  }
 
   /// 0 … 255 by cell.
   [[nodiscard]] double lightOf(std::size_t cell) const { return maps_.light[cell]; }
@@ -148,7 +158,7 @@ inline constexpr std::array kRasterKeywords{kRasterSizeKeyword, kRasterRangeKeyw
                                             kRasterImageKeyword, kRasterUpKeyword};
 
 template <typename Visit>
-void Raster::forEachCellOfDisc(const core::Vec3& centre, double radius, const Visit& visit) const {
+void Raster::forEachRowOfDisc(const core::Vec3& centre, double radius, const Visit& visit) const {
   const auto [across, along] = cellsOf(centre);
   // half-axes in cells
   const double a = radius * static_cast<double>(shape_.cells[0]) / shape_.range[0];
@@ -158,12 +168,23 @@ void Raster::forEachCellOfDisc(const core::Vec3& centre, double radius, const Vi
   const double lastX = static_cast<double>(shape_.cells[0] - 1);
   const double lastY = static_cast<double>(shape_.cells[1] - 1);
   for (double y = std::max(std::ceil(y0 - b), 0.0); y <= std::min(std::floor(y0 + b), lastY); y += 1.0) {
-    for (double x = std::max(std::ceil(x0 - a), 0.0); x <= std::min(std::floor(x0 + a), lastX); x += 1.0) {
+    const double dy = b > 0.0 ? (y - y0) / b : 0.0;
+    const auto isInside = [&](double x) {
       const double dx = a > 0.0 ? (x - x0) / a : 0.0;
-      const double dy = b > 0.0 ? (y - y0) / b : 0.0;
-      if (dx * dx + dy * dy <= 1.0) {
-        visit(static_cast<std::size_t>(y) * shape_.cells[0] + static_cast<std::size_t>(x));
-      }
+      return dx * dx + dy * dy <= 1.0;
+    };
+    // rounding is monotone, so the cells of a row have no gap
+    double first = std::max(std::ceil(x0 - a), 0.0);
+    double last = std::min(std::floor(x0 + a), lastX);
+    while (first <= last && !isInside(first)) {
+      first += 1.0;
+    }
+    while (first <= last && !isInside(last)) {
+      last -= 1.0;
+    }
+    if (first <= last) {
+      const std::size_t row = static_cast<std::size_t>(y) * shape_.cells[0];
+      visit(row + static_cast<std::size_t>(first), row + static_cast<std::size_t>(last));
     }
   }
 }

@@ -199,10 +199,14 @@ class Shadow final : public turtle::EnvironmentProcess {
       }
       const std::int64_t width = halfWidth(tier);
       for (std::int64_t i = std::max(x - width, std::int64_t{0}); i <= std::min(x + width, last); ++i) {
-        for (std::int64_t k = std::max(z - width, std::int64_t{0}); k <= std::min(z + width, last); ++k) {
-          const std::int64_t squared = tier * tier + (i - x) * (i - x) + (k - z) * (k - z);
-          Darkness& darkness = grid_.at(i, y - tier, k);
-          darkness = std::min(darkness + darknessOf_[static_cast<std::size_t>(squared)], kDark);
+        const std::int64_t firstZ = std::max(z - width, std::int64_t{0});
+        const std::int64_t endZ = std::min(z + width, last) + 1;
+        const Darkness* const darknessOf = darknessOf_.data() + tier * tier + (i - x) * (i - x);
+        for (std::int64_t k = firstZ; k < endZ;) {
+          for (Darkness& darkness : grid_.run(i, y - tier, k, endZ)) {
+            darkness = std::min(darkness + darknessOf[(k - z) * (k - z)], kDark);
+            ++k;
+          }
         }
       }
     }
