@@ -140,14 +140,15 @@ class Sweep(unittest.TestCase):
 
     def kill_and_continue(self, kills: int) -> None:
         plan = self.plan(model="random.l", parameters={"P": {"uniform": [0.45, 0.55]}},
-                         runs={"design": "random", "count": 40 * kills + 1500}, measures={"n": {"count": "F"}}, steps=14)
+                         runs={"design": "random", "count": min(4000 * kills, 100_000)}, measures={"n": {"count": "F"}}, steps=14)
         draw = random.Random(1)
         command = [program(), "sweep", plan, "-o", self.file("killed.sqlite"), "--quiet", "--workers", "2"]
         before = 0
         progresses = 0
+        longest = 0.25  # seconds; a slow machine needs more until the first rows are in the file
         for _ in range(kills):
             started = subprocess.Popen(command, env=variables(), stdin=subprocess.DEVNULL)
-            time.sleep(draw.uniform(0.02, 0.25))
+            time.sleep(draw.uniform(0.02, longest))
             started.send_signal(signal.SIGKILL)
             started.wait()
             if Path(self.file("killed.sqlite")).exists():
@@ -156,6 +157,7 @@ class Sweep(unittest.TestCase):
                 count = len(table.splitlines()) - 1
                 self.assertGreaterEqual(count, before)
                 progresses += count > before
+                longest = longest if count > before else min(1.3 * longest, 2.0)
                 before = count
         self.assertGreater(progresses, 0)
         self.sweep(plan, "-o", self.file("killed.sqlite"), "--quiet")
