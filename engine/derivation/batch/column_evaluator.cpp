@@ -322,20 +322,27 @@ void ColumnEvaluator::move(const ColumnInstruction& instruction, double* target,
   }
 }
 
-void ColumnEvaluator::raise(double* target, const ColumnValue& a, const ColumnValue& b) {
+double ColumnEvaluator::power(double x, double y) {
   // modules of one kind often have equal values
+  const auto base = std::bit_cast<std::uint64_t>(x);
+  const auto exponent = std::bit_cast<std::uint64_t>(y);
+  // multiplication mixes all bits into the highest ones
+  Power& known = powers_[((base ^ std::rotl(exponent, 23)) * 0x9E3779B97F4A7C15ULL) >> (64U - kPowerBits)];
+  if (known.base != base || known.exponent != exponent) [[unlikely]] {
+    known = {base, exponent, elementary_.pow(x, y)};
+  }
+  return known.value;
+}
+
+void ColumnEvaluator::raise(double* target, const ColumnValue& a, const ColumnValue& b) {
+  if (mask_ == nullptr) {
+    forEach(target, a, b, lanes_.count, [this](double x, double y) { return power(x, y); });
+    return;
+  }
   for (std::size_t i = 0; i < lanes_.count; ++i) {
-    if (!isActive(i)) {
-      continue;
+    if (isActive(i)) {
+      target[i] = power(at(a, i), at(b, i));
     }
-    const auto x = std::bit_cast<std::uint64_t>(at(a, i));
-    const auto y = std::bit_cast<std::uint64_t>(at(b, i));
-    // multiplication mixes all bits into the highest ones
-    Power& known = powers_[((x ^ std::rotl(y, 23)) * 0x9E3779B97F4A7C15ULL) >> (64U - kPowerBits)];
-    if (known.base != x || known.exponent != y) {
-      known = {x, y, elementary_.pow(at(a, i), at(b, i))};
-    }
-    target[i] = known.value;
   }
 }
 

@@ -99,6 +99,7 @@ class ColumnEvaluator {
   void runOneByOne(const ColumnInstruction& instruction, double* target, const ColumnValue& a, const ColumnValue& b);
   void divide(const ColumnInstruction& instruction, double* target, const ColumnValue& a, const ColumnValue& b);
   void move(const ColumnInstruction& instruction, double* target, const ColumnValue& from);
+  [[nodiscard]] double power(double x, double y);
   void raise(double* target, const ColumnValue& a, const ColumnValue& b);
   [[nodiscard]] double element(const ColumnInstruction& instruction, std::span<const double> subscripts);
   void noteWarning(std::uint32_t instruction) { isUnusual_ = isUnusual_ || inputs_.hasWarned[instruction] == 0; }
