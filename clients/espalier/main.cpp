@@ -1,8 +1,10 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <string>
 #include <string_view>
@@ -15,6 +17,44 @@
 #include "engine/core/diagnostic.h"
 
 namespace {
+
+struct Command {
+  std::string_view name;
+  void (*add)(CLI::App& program, int& status);
+};
+
+// in the order of the help text
+constexpr auto kCommands = std::to_array<Command>({
+    {"derive", espalier::command::addDerive},
+    {"run", espalier::command::addRun},
+    {"export", espalier::command::addExport},
+    {"watch", espalier::command::addWatch},
+    {"check", espalier::command::addCheck},
+    {"explain", espalier::command::addExplain},
+    {"format", espalier::command::addFormat},
+    {"growth", espalier::command::addGrowth},
+    {"convert", espalier::command::addConvert},
+    {"disassemble", espalier::command::addDisassemble},
+    {"evolve", espalier::command::addEvolve},
+    {"forest", espalier::command::addForest},
+    {"sweep", espalier::command::addSweep},
+    {"infer", espalier::command::addInfer},
+    {"language-server", espalier::command::addLanguageServer},
+    {"field", espalier::command::addField},
+    {"traits", espalier::command::addTraits},
+    {"replay", espalier::command::addReplay},
+    {"conformance", espalier::command::addConformance},
+    {"validate", espalier::command::addValidate},
+    {"serve", espalier::command::addServe},
+    {"environment", espalier::command::addEnvironment},
+    {"connect", espalier::command::addConnect},
+    {"status", espalier::command::addStatus},
+    {"load", espalier::command::addLoad},
+    {"token", espalier::command::addToken},
+    {"backup", espalier::command::addBackup},
+    {"restore", espalier::command::addRestore},
+    {"self-test", espalier::command::addSelfTest},
+});
 
 // names the option that was probably meant, of the command that was given
 void suggestOption(const CLI::App& program, int argumentCount, char** arguments) {
@@ -64,46 +104,24 @@ int main(int argumentCount, char** arguments) {
   // a file that reaches the size limit is an error of that file and does not end the program
   std::signal(SIGXFSZ, SIG_IGN);
   int status = kSuccess;
-  addDerive(program, status);
-  addRun(program, status);
-  addExport(program, status);
-  addWatch(program, status);
-  addCheck(program, status);
-  addExplain(program, status);
-  addFormat(program, status);
-  addGrowth(program, status);
-  addConvert(program, status);
-  addDisassemble(program, status);
-  addEvolve(program, status);
-  addForest(program, status);
-  addSweep(program, status);
-  addInfer(program, status);
-  addLanguageServer(program, status);
-  addField(program, status);
-  addTraits(program, status);
-  addReplay(program, status);
-  addConformance(program, status);
-  addValidate(program, status);
-  addServe(program, status);
-  addEnvironment(program, status);
-  addConnect(program, status);
-  addStatus(program, status);
-  addLoad(program, status);
-  addToken(program, status);
-  addBackup(program, status);
-  addRestore(program, status);
-  addSelfTest(program, status);
+  const auto named = std::find_if(kCommands.begin(), kCommands.end(), [&](const Command& command) {
+    return argumentCount > 1 && command.name == arguments[1];
+  });
 
   // name a mistyped command before its options are read
-  if (argumentCount > 1 && arguments[1][0] != '-') {
-    std::vector<std::string> names;
-    for (const CLI::App* command : program.get_subcommands({})) {
-      names.push_back(command->get_name());
-    }
-    if (std::find(names.begin(), names.end(), arguments[1]) == names.end()) {
-      printError(std::string("there is no command '") + arguments[1] + "'. " +
-                 espalier::core::suggestName(arguments[1], {names.begin(), names.end()}));
-      return kUsage;
+  if (named == kCommands.end() && argumentCount > 1 && arguments[1][0] != '-') {
+    std::vector<std::string_view> names;
+    std::transform(kCommands.begin(), kCommands.end(), std::back_inserter(names),
+                   [](const Command& command) { return command.name; });
+    printError(std::string("there is no command '") + arguments[1] + "'. " +
+               espalier::core::suggestName(arguments[1], names));
+    return kUsage;
+  }
+
+  // making the options of all commands takes longer than deriving a small model
+  for (auto command = kCommands.begin(); command != kCommands.end(); ++command) {
+    if (named == kCommands.end() || command == named) {
+      command->add(program, status);
     }
   }
 

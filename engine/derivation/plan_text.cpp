@@ -14,7 +14,12 @@ const char* contextText(const BatchPlan& plan, const BatchGroup& group, const la
     if (rule.context == BatchRule::Context::Near) {
       return "; the nearest neighbours are found for all modules at once";
     }
-    return rule.context == BatchRule::Context::Searched ? "; its neighbours are searched module by module" : "";
+    if (rule.sharesPlaces) {
+      return "; a production before it has found the same neighbours";
+    }
+    return rule.context == BatchRule::Context::Searched
+               ? "; its neighbours are searched for all modules at once, one element of the context after the other"
+               : "";
   }
   return "; a production before it always applies";
 }
@@ -35,6 +40,7 @@ std::string wayText(const language::Program& program, const SystemTables& tables
   switch (plan.classOf(type)) {
     case BatchPlan::Class::Fixed:
     case BatchPlan::Class::Kept:
+    case BatchPlan::Class::Cut:
       return "a fixed block of modules is copied";
     case BatchPlan::Class::Group:
       return std::string("in batches") + contextText(plan, plan.groups()[plan.indexOf(type)], production);

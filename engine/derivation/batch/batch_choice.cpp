@@ -77,6 +77,8 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
   weights_.resize(plan_->largestRuleCount() * kLanes);
   isMatched_.resize(plan_->largestRuleCount() * kLanes);
   chosenRule_.resize(kLanes);
+  candidateWeights_.resize(plan_->largestRuleCount());
+  candidates_.resize(plan_->largestRuleCount());
   if (sites.size() * 8 > end_ - first_) {
     loadDraws();
   }
@@ -104,23 +106,20 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
     }
     // the choice, by the function of the other ways
     for (std::size_t i = 0; i < part.size(); ++i) {
-      candidateWeights_.clear();
-      candidates_.clear();
+      std::size_t count = 0;
       double sum = 0.0;
       for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
-        if (isMatched_[k * kLanes + i] != 0) {
-          candidateWeights_.push_back(weights_[k * kLanes + i]);
-          candidates_.push_back(k);
-          sum += candidateWeights_.back();
-        }
+        const bool isMatched = isMatched_[k * kLanes + i] != 0;
+        candidateWeights_[count] = weights_[k * kLanes + i];
+        candidates_[count] = k;
+        sum += isMatched ? candidateWeights_[count] : 0.0;
+        count += isMatched ? 1 : 0;
       }
-      chosenRule_[i] = group.ruleCount;
-      if (candidates_.size() == 1) {
-        chosenRule_[i] = candidates_.front();
-      } else if (candidates_.size() > 1) {
+      chosenRule_[i] = count == 0 ? group.ruleCount : candidates_[0];
+      if (count > 1) {
         isUnusual_ = isUnusual_ || !(sum - sum == 0.0);
-        chosenRule_[i] =
-            candidates_[chooseByWeight(candidateWeights_, 1.0 - draw(first_ + siteModule_[part[i]]), false)];
+        chosenRule_[i] = candidates_[chooseByWeight({candidateWeights_.data(), count},
+                                                    1.0 - draw(first_ + siteModule_[part[i]]), false)];
       }
     }
     // the lanes of the chosen rules: finding their neighbours again is cheaper than keeping all neighbours

@@ -54,6 +54,20 @@ bool hasContexts(const Production& production) {
   return !production.leftContext.empty() || !production.rightContext.empty();
 }
 
+/// Whether two contexts seek the same modules.
+bool seekSame(const std::vector<ContextElement>& a, const std::vector<ContextElement>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ContextElement& x, const ContextElement& y) {
+    return x.kind == y.kind && (x.kind == ContextElement::Kind::SkipToBranchEnd || x.module.type == y.module.type);
+  });
+}
+
+/// Whether searches for the predecessors and contexts of two productions find the same modules.
+bool findSamePlaces(const Production& a, const Production& b) {
+  return seekSame(a.leftContext, b.leftContext) && seekSame(a.rightContext, b.rightContext) &&
+         std::equal(a.predecessor.begin(), a.predecessor.end(), b.predecessor.begin(), b.predecessor.end(),
+                    [](const language::FormalModule& x, const language::FormalModule& y) { return x.type == y.type; });
+}
+
 /// Whether a context is one module, for which the search passes branches.
 bool isNear(const std::vector<ContextElement>& context) {
   return context.empty() || (context.size() == 1 && (context[0].kind == ContextElement::Kind::Module ||
@@ -92,19 +106,23 @@ BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& 
   blocks_.emplace_back();
   blockTypes_.emplace_back();
   for (const Production& production : list.productions) {
+    hasLongPredecessors_ = hasLongPredecessors_ || production.predecessor.size() > 1;
     for (std::size_t i = 1; i < production.predecessor.size(); ++i) {
       isInside_[production.predecessor[i].type] = 1;
     }
   }
-  bool hasFixed = false;
+  bool hasFixed = false;  // or a Cut
   for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
     const auto type = static_cast<core::ModuleTypeId>(i);
     planType(program, system, rules, plan, type);
     isComplete_ = isComplete_ && classes_[type] != Class::General;
+    // one at a time, a choice by weight draws alone
     isCheap_ = isCheap_ &&
-               (classes_[type] != Class::Group || (plan[type].kind != TypePlan::Kind::General && !plan[type].usesCode));
+               (classes_[type] != Class::Group || (plan[type].kind != TypePlan::Kind::General && !plan[type].usesCode &&
+                                                   !(isWeighted_ && groups_.back().ruleCount > 1)));
     isQuick_ = isQuick_ && (classes_[type] != Class::Group || plan[type].kind != TypePlan::Kind::General);
-    hasFixed = hasFixed || classes_[type] == Class::Fixed;
+    hasCuts_ = hasCuts_ || classes_[type] == Class::Cut;
+    hasFixed = hasFixed || classes_[type] == Class::Fixed || hasCuts_;
   }
   hasOneKindOnly_ = isComplete_ && !hasFixed && groups_.size() == 1;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -123,6 +141,12 @@ void BatchPlan::planType(const language::Program& program, const language::LSyst
   const std::uint16_t arity = program.arity[type];
   const bool hasCandidates = !list_->index.empty() && !list_->index.candidates(type).empty();
   if (!hasCandidates && (isDecomposition_ || (decomposes_ && program.nameOf(type) != "%"))) {
+    return;
+  }
+  // a predecessor of several modules may take the `%` with it
+  if (type == program.cut && !hasCandidates && !system.decomposition.mayApplyTo(type) && !hasLongPredecessors_) {
+    classes_[type] = Class::Cut;
+    candidateBits_[type] = kAllBits;
     return;
   }
   if (!isDecomposition_ && typePlan.kind == TypePlan::Kind::Fixed) {
@@ -184,6 +208,7 @@ bool BatchPlan::planGroup(const language::Program& program, const language::LSys
     candidateBits_[type] = static_cast<std::uint8_t>(i == 0 ? bitOf(i) : candidateBits_[type] | bitOf(i));
   }
   group.isLight = !isDecomposition_ && isLight(plan, plan[type]);
+  sharePlaces(group);
   findThresholds(group);
   largestRuleCount_ = std::max<std::size_t>(largestRuleCount_, made.size());
   classes_[type] = Class::Group;
@@ -239,7 +264,7 @@ bool BatchPlan::compile(const language::Program& program, const language::LSyste
     if (!take(columns.value(expression), rule.values.emplace_back())) {
       return false;
     }
-    rule.drawsRandom = rule.drawsRandom || rule.values.back().drawCount > 0;
+    rule.drawsRandom = rule.drawsRandom || rule.values.back().drawsRandom;
     addReads(rule.values.back(), rule.statics.size(), isRead);
   }
   for (std::uint32_t local = 0; local < rule.statics.size(); ++local) {
@@ -344,7 +369,6 @@ void BatchPlan::addRule(const language::Program& program, BatchRule rule) {
 
   largestSlotCount_ = std::max<std::size_t>(largestSlotCount_, production.slotCount);
   largestKeptCount_ = std::max(largestKeptCount_, rule.kept.size());
-  hasLongPredecessors_ = hasLongPredecessors_ || production.predecessor.size() > 1;
   hasBlocks_ = hasBlocks_ || rule.hasBefore || rule.hasBehind;
   const auto addColumns = [this](const ColumnCode& code) {
     largestColumnCount_ = std::max<std::size_t>(largestColumnCount_, code.columnCount);
@@ -355,6 +379,26 @@ void BatchPlan::addRule(const language::Program& program, BatchRule rule) {
   addColumns(rule.behind);
   std::for_each(rule.values.begin(), rule.values.end(), addColumns);
   rules_.push_back(std::move(rule));
+}
+
+void BatchPlan::sharePlaces(const BatchGroup& group) {
+  // the choice by weight asks the rules twice, for different modules
+  if (group.isWeighted) {
+    return;
+  }
+  BatchRule* searched = nullptr;  // the last that keeps what it finds
+  for (std::uint32_t i = group.firstRule; i < group.firstRule + group.ruleCount; ++i) {
+    BatchRule& rule = rules_[i];
+    if (rule.context != BatchRule::Context::Searched) {
+      continue;
+    }
+    if (searched != nullptr && findSamePlaces(*searched->production, *rule.production)) {
+      searched->keepsPlaces = true;
+      rule.sharesPlaces = true;
+    } else {
+      searched = &rule;
+    }
+  }
 }
 
 void BatchPlan::findThresholds(BatchGroup& group) const {

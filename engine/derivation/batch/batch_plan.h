@@ -35,7 +35,7 @@ struct BatchRule {
   enum class Context : std::uint8_t {
     None,
     Near,      // at most one module on each side, found in a few moves
-    Searched,  // all others, and predecessors of several modules: by the context matcher
+    Searched,  // all others, and predecessors of several modules: element by element
   };
   const language::Production* production = nullptr;  // in the Program
   Context context = Context::None;
@@ -52,9 +52,11 @@ struct BatchRule {
   std::uint32_t block = 0;          // in BatchPlan::blocks
   bool changesParts = false;        // the block is one module of the same size, but of another type
   bool needsLanes = false;          // it has values or a block behind the condition, or changes parts
-  bool drawsRandom = false;         // a value calls ran
+  bool drawsRandom = false;         // a value draws
   bool hasBefore = false;           // `before` does something
   bool hasBehind = false;           // `behind` does something
+  bool keepsPlaces = false;         // Searched: a later rule of the group has the same contexts
+  bool sharesPlaces = false;        // Searched: an earlier rule has searched, and found the same places
 };
 
 /// The productions of one module type.
@@ -78,6 +80,7 @@ class BatchPlan {
   enum class Class : std::uint8_t {
     Kept,     // no production: the module stands for itself
     Fixed,    // always the same block, without parameters
+    Cut,      // `%`: the rest of its branch goes with it
     Group,    // a BatchGroup decides
     General,  // a batch cannot do it: it ends before such a module
   };
@@ -101,13 +104,13 @@ class BatchPlan {
   /// Whether batches can do every module.
   [[nodiscard]] bool isComplete() const { return isComplete_; }
   /// Whether batches can also do the parts of a string on their own, and know the sizes of their results before they
-  /// write: no predecessor reaches from one into the next, and nothing is decomposed.
-  [[nodiscard]] bool isChunkable() const { return isComplete_ && !hasLongPredecessors_ && !decomposes_; }
+  /// write: no predecessor reaches from one into the next, and nothing is cut or decomposed.
+  [[nodiscard]] bool isChunkable() const { return isComplete_ && !hasLongPredecessors_ && !decomposes_ && !hasCuts_; }
   /// Whether every module becomes a fixed block or stays.
-  [[nodiscard]] bool isFixedOnly() const { return isComplete_ && groups_.empty() && !decomposes_; }
+  [[nodiscard]] bool isFixedOnly() const { return isComplete_ && groups_.empty() && !decomposes_ && !hasCuts_; }
   /// Whether the PlainScan can do everything that batches can do without calling the Rewriter.
   [[nodiscard]] bool isQuick() const { return isQuick_; }
-  /// Whether it can also do all of it without the Evaluator, so that short strings gain nothing from batches.
+  /// Whether it can also do all of it without the Evaluator and draws, so that short strings gain nothing from batches.
   [[nodiscard]] bool isCheap() const { return isCheap_; }
   /// Has a table in some models where isFixedOnly.
   [[nodiscard]] const FixedBlocks& fixedBlocks() const { return fixedBlocks_; }
@@ -122,6 +125,8 @@ class BatchPlan {
   [[nodiscard]] bool hasOneKindOnly() const { return hasOneKindOnly_; }
   /// Whether a predecessor has several modules, so that sites may overlap.
   [[nodiscard]] bool hasLongPredecessors() const { return hasLongPredecessors_; }
+  /// Whether the string may have a Cut.
+  [[nodiscard]] bool hasCuts() const { return hasCuts_; }
   /// Whether a rule has blocks.
   [[nodiscard]] bool hasBlocks() const { return hasBlocks_; }
   /// Why the type is General, as the end of a sentence; empty for others.
@@ -164,6 +169,7 @@ class BatchPlan {
   void addRule(const language::Program& program, BatchRule rule);
   void addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount, std::uint32_t readModules,
                 std::uint32_t readParameters);
+  void sharePlaces(const BatchGroup& group);
   void findThresholds(BatchGroup& group) const;
   [[nodiscard]] bool isLight(const ProductionPlan& plan, const TypePlan& typePlan) const;
   void makePairs(const language::Program& program, const ContextRules& rules);
@@ -197,6 +203,7 @@ class BatchPlan {
   bool decomposes_ = false;
   bool hasLongPredecessors_ = false;
   bool hasBlocks_ = false;
+  bool hasCuts_ = false;
   std::vector<std::uint8_t> isInside_;  // by module type: a predecessor has it behind its first module
   std::vector<const char*> problems_;   // by module type
   const char* problem_ = "";            // of the last production that compile refused

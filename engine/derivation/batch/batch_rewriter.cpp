@@ -8,17 +8,15 @@
 
 #include "engine/core/check.h"
 #include "engine/derivation/matching/production_plan.h"
+#include "engine/derivation/state/string_part.h"
 
 namespace espalier::derivation {
 namespace {
 
 using core::ModuleTypeId;
 
-/// The effect of a module on context searches, as bits.
-constexpr std::uint8_t kSkippedLeft = 1;   // passed by a search to the left
-constexpr std::uint8_t kSkippedRight = 2;  // passed by a search to the right
-constexpr std::uint8_t kJumpedLeft = 4;    // `]`: the branch is passed
-constexpr std::uint8_t kJumpedRight = 8;   // `[`
+// modules or parameters of a chunk and the part that is cut behind it: more do not fit into a BatchBlock
+constexpr std::uint64_t kMostCutModules = 1U << 30U;
 
 /// One number of each module type's plan, by type.
 std::vector<std::uint32_t> byType(const ProductionPlan& productions, std::size_t typeCount,
@@ -45,6 +43,7 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
                                 [](const TypePlan& made) { return std::uint32_t{made.copied}; })),
       parameterSum_({program.arity.begin(), program.arity.end()}),
       passing_(program.moduleTypeCount(), 0),
+      blocks_(plan.blocks()),
       siteModule_(kChunkModules + ModuleFinder::kSlack),
       siteOffset_(kChunkModules + ModuleFinder::kSlack),
       siteBits_(kChunkModules + ModuleFinder::kSlack),
@@ -53,11 +52,9 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       madeOffset_(kChunkModules),
       resizing_(kChunkModules + 1),
       allSites_(kChunkModules),
-      sorted_(kChunkModules),
+      sorted_((plan.groups().size() + 2) * kChunkModules),
       groupOf_(program.moduleTypeCount(), 0),
-      siteGroup_(kChunkModules),
-      groupCounts_(2 * (plan.groups().size() + 2)),
-      groupBegin_(plan.groups().size() + 1),
+      groupEnds_(plan.groups().size() + 2),
       remaining_(kChunkModules),
       laneSite_(2 * kChunkModules),
       laneLeft_(2 * kChunkModules),
@@ -66,6 +63,8 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       rightType_(kChunkModules),
       leftOffset_(kChunkModules),
       rightOffset_(kChunkModules),
+      contexts_(program, rules, kChunkModules),
+      siteRow_(kChunkModules),
       keptLocals_(2 * kChunkModules * plan.largestKeptCount()),
       own_(ColumnEvaluator::kLanes),
       modules_(ColumnEvaluator::kLanes),
@@ -79,6 +78,7 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
         groupOf_[type] = plan.indexOf(type);
         break;
       case BatchPlan::Class::Fixed:
+      case BatchPlan::Class::Cut:
         groupOf_[type] = static_cast<std::uint32_t>(plan.groups().size());
         break;
       case BatchPlan::Class::General:
@@ -134,10 +134,10 @@ BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t 
   } else {
     sortSites();
     // fixed blocks follow the groups
-    lightSites_ = siteCount_ - groupBegin_.back();
+    lightSites_ = sitesOf(plan_->groups().size()).size();
     for (std::size_t i = 0; i < plan_->groups().size(); ++i) {
-      if (groupBegin_[i] != groupBegin_[i + 1]) {
-        chooseGroup(plan_->groups()[i], {sorted_.data() + groupBegin_[i], groupBegin_[i + 1] - groupBegin_[i]});
+      if (!sitesOf(i).empty()) {
+        chooseGroup(plan_->groups()[i], sitesOf(i));
       }
     }
   }
@@ -205,6 +205,9 @@ void BatchRewriter::collectSites() {
   if (plan_->needsPairBits()) {
     dropPairs();
   }
+  if (plan_->hasCuts()) {
+    dropCutParts();
+  }
 }
 
 void BatchRewriter::dropPairs() {
@@ -229,62 +232,75 @@ void BatchRewriter::dropPairs() {
   siteCount_ = kept;
 }
 
+void BatchRewriter::dropCutParts() {
+  blocks_.resize(plan_->blocks().size());
+  std::uint64_t next = 0;  // behind the last part
+  std::size_t kept = 0;
+  for (std::size_t site = 0; site < siteCount_; ++site) {
+    const std::uint64_t module = siteModule_[site];
+    if (module < next) {
+      continue;
+    }
+    siteModule_[kept] = siteModule_[site];
+    siteOffset_[kept] = siteOffset_[site];
+    siteBits_[kept] = siteBits_[site];
+    ++kept;
+    if (plan_->classOf(step_.old.types[first_ + module]) != BatchPlan::Class::Cut) {
+      continue;
+    }
+    const std::uint64_t offset = offset_ + siteOffset_[site];
+    const StringPart part = findCutPart(*program_, {step_.old.types, step_.old.size}, first_ + module, offset);
+    next = part.endModule - first_;
+    isUnusual_ = isUnusual_ || next > kMostCutModules || part.endParameter - offset_ > kMostCutModules;
+    if (part.endModule > end_) {
+      end_ = part.endModule;
+      endOffset_ = part.endParameter;
+    }
+    // nothing takes the place of the symbol and the part
+    BatchBlock& block = blocks_.emplace_back();
+    block.readModules = static_cast<std::uint32_t>(next - module);
+    block.readParameters = static_cast<std::uint32_t>(part.endParameter - offset);
+    block.moduleGrowth = -static_cast<std::int32_t>(block.readModules);
+    block.parameterGrowth = -static_cast<std::int32_t>(block.readParameters);
+    block.isResizing = true;
+  }
+  siteCount_ = kept;
+}
+
 void BatchRewriter::sortSites() {
   // local pointers: to the compiler every write may change a member, which it then reads again
   const ModuleTypeId* const types = step_.old.types + first_;
   const std::uint32_t* const siteModule = siteModule_.data();
   const std::uint32_t* const groupOf = groupOf_.data();
-  std::uint32_t* const siteGroup = siteGroup_.data();
-  std::uint32_t* const siteBlock = siteBlock_.data();
   std::uint32_t* const sorted = sorted_.data();
-  const auto groupCount = static_cast<std::uint32_t>(plan_->groups().size());
-  // two counts for each group, for even and odd sites: with one count every addition waits for the last addition
-  std::uint32_t* const counts = groupCounts_.data();
-  std::fill(groupCounts_.begin(), groupCounts_.end(), 0U);
-  std::size_t siteCount = siteCount_;
-  for (std::size_t site = 0; site < siteCount; ++site) {
-    const std::uint32_t group = groupOf[types[siteModule[site]]];
-    siteGroup[site] = group;
-    ++counts[2 * group + (site & 1U)];
+  std::uint32_t* const ends = groupEnds_.data();
+  const std::size_t siteCount = siteCount_;
+  for (std::size_t group = 0; group < groupEnds_.size(); ++group) {
+    ends[group] = static_cast<std::uint32_t>(group * kChunkModules);
   }
-  const std::uint32_t fixed = groupCount;
-  const std::uint32_t general = groupCount + 1;
-  if (counts[2 * general] + counts[2 * general + 1] > 0) {
+  for (std::size_t site = 0; site < siteCount; ++site) {
+    sorted[ends[groupOf[types[siteModule[site]]]]++] = static_cast<std::uint32_t>(site);
+  }
+  const std::size_t fixed = plan_->groups().size();
+  const std::size_t general = fixed + 1;
+  if (!sitesOf(general).empty()) {
     // the chunk ends at the first module for the general way
-    const auto last = static_cast<std::size_t>(std::find(siteGroup, siteGroup + siteCount, general) - siteGroup);
+    const std::uint32_t last = sitesOf(general).front();
     end_ = first_ + siteModule[last];
     endOffset_ = offset_ + siteOffset_[last];
-    for (std::size_t site = last; site < siteCount; ++site) {
-      --counts[2 * siteGroup[site] + (site & 1U)];
-    }
-    siteCount = last;
     siteCount_ = last;
-  }
-  std::fill_n(siteBlock, siteCount, 0U);
-  if (counts[2 * fixed] + counts[2 * fixed + 1] > 0) {
-    isResized_ = true;
-    for (std::size_t site = 0; site < siteCount; ++site) {
-      if (siteGroup[site] == fixed) {
-        siteBlock[site] = plan_->indexOf(types[siteModule[site]]);
+    for (std::size_t group = 0; group < general; ++group) {
+      while (!sitesOf(group).empty() && sitesOf(group).back() > last) {
+        --ends[group];
       }
     }
   }
-  // counts become places
-  std::uint32_t begin = 0;
-  for (std::uint32_t group = 0; group < groupCount; ++group) {
-    groupBegin_[group] = begin;
-    for (std::uint32_t parity = 0; parity < 2; ++parity) {
-      begin += std::exchange(counts[2 * group + parity], begin);
-    }
-  }
-  groupBegin_[groupCount] = begin;
-  counts[2 * fixed] = begin;
-  counts[2 * fixed + 1] = begin;
-  for (std::size_t site = 0; site < siteCount; ++site) {
-    const std::uint32_t group = siteGroup[site];
-    const std::size_t place = 2 * group + (site & 1U);
-    sorted[counts[place]] = static_cast<std::uint32_t>(site);
-    counts[place] += group != fixed ? 1 : 0;
+  std::fill_n(siteBlock_.begin(), siteCount_, 0U);
+  auto nextCut = static_cast<std::uint32_t>(plan_->blocks().size());
+  for (const std::uint32_t site : sitesOf(fixed)) {
+    isResized_ = true;
+    const ModuleTypeId type = types[siteModule[site]];
+    siteBlock_[site] = plan_->classOf(type) == BatchPlan::Class::Cut ? nextCut++ : plan_->indexOf(type);
   }
 }
 
@@ -326,182 +342,6 @@ void BatchRewriter::chooseFirst(const BatchGroup& group, std::span<const std::ui
   }
 }
 
-std::size_t BatchRewriter::match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites) {
-  std::size_t lane = laneCount_;
-  switch (rule.context) {
-    case BatchRule::Context::None:
-      std::memcpy(laneSite_.data() + lane, sites.data(), sites.size_bytes());
-      lane += sites.size();
-      break;
-    case BatchRule::Context::Near:
-      if (rule.right == core::kNoModuleType) {
-        lane = matchNear<true, false>(rule, sites);
-      } else if (rule.left == core::kNoModuleType) {
-        lane = matchNear<false, true>(rule, sites);
-      } else {
-        lane = matchNear<true, true>(rule, sites);
-      }
-      break;
-    case BatchRule::Context::Searched:
-      rows_.resize(std::max(rows_.size(), rowsUsed_ + sites.size() * (rule.production->leftContext.size() +
-                                                                      rule.production->rightContext.size())));
-      for (const std::uint32_t site : sites) {
-        if ((siteBits_[site] & bit) != 0 && matchSearched(rule, site, lane)) {
-          laneSite_[lane++] = site;
-        }
-      }
-      break;
-  }
-  return lane - laneCount_;
-}
-
-template <bool kLooksLeft, bool kLooksRight>
-std::size_t BatchRewriter::matchNear(const BatchRule& rule, std::span<const std::uint32_t> sites) {
-  std::uint32_t* const laneSite = laneSite_.data();
-  std::uint64_t* const laneLeft = laneLeft_.data();
-  std::uint64_t* const laneRight = laneRight_.data();
-  const ModuleTypeId* const leftType = leftType_.data();
-  const ModuleTypeId* const rightType = rightType_.data();
-  const std::uint64_t* const leftOffset = leftOffset_.data();
-  const std::uint64_t* const rightOffset = rightOffset_.data();
-  const ModuleTypeId left = rule.left;
-  const ModuleTypeId right = rule.right;
-  std::size_t lane = laneCount_;
-  for (const std::uint32_t site : sites) {
-    laneSite[lane] = site;
-    bool isMatch = true;
-    if constexpr (kLooksLeft) {
-      laneLeft[lane] = leftOffset[site];
-      isMatch = leftType[site] == left;
-    }
-    if constexpr (kLooksRight) {
-      laneRight[lane] = rightOffset[site];
-      isMatch = isMatch & (rightType[site] == right);
-    }
-    lane += isMatch ? 1 : 0;
-  }
-  return lane;
-}
-
-void BatchRewriter::findLeft(std::span<const std::uint32_t> sites) {
-  const ContextString old = step_.old;
-  const std::uint16_t* arity = program_->arity.data();
-  const std::uint8_t* passing = passing_.data();
-  const std::uint32_t* const siteModule = siteModule_.data();
-  const std::uint32_t* const siteOffset = siteOffset_.data();
-  ModuleTypeId* const leftType = leftType_.data();
-  std::uint64_t* const leftOffset = leftOffset_.data();
-  const std::uint64_t first = first_;
-  const std::uint64_t firstOffset = offset_;
-  const ModuleTypeId openBranch = program_->openBranch;
-  for (const std::uint32_t site : sites) {
-    std::uint64_t module = first + siteModule[site];
-    std::uint64_t offset = firstOffset + siteOffset[site];
-    ModuleTypeId found = core::kNoModuleType;
-    std::uint32_t passed = 0;
-    while (module > 0) {
-      --module;
-      const ModuleTypeId type = old.types[module];
-      offset -= arity[type];
-      if ((passing[type] & (kSkippedLeft | kJumpedLeft)) == 0) [[likely]] {
-        found = type;
-        break;
-      }
-      if ((passing[type] & kJumpedLeft) != 0) {
-        const StringIndex::Link& link = old.index->link(module);
-        if (link.partner == StringIndex::kNone) {
-          break;
-        }
-        module = link.partner;
-        offset -= link.parameterCount;
-      }
-      // all searches together walk a long way over branches once
-      if (++passed > LeftShortcuts::kNearModules && old.types[module] == openBranch) [[unlikely]] {
-        const LeftShortcuts::Place end = old.shortcuts->follow(*program_, *rules_, old, {module, offset});
-        module = end.module;
-        offset = end.offset;
-        passed = 0;
-      }
-    }
-    leftType[site] = found;
-    leftOffset[site] = offset;
-  }
-}
-
-void BatchRewriter::findRight(std::span<const std::uint32_t> sites) {
-  const ContextString old = step_.old;
-  const std::uint16_t* arity = program_->arity.data();
-  const std::uint8_t* passing = passing_.data();
-  const std::uint32_t* const siteModule = siteModule_.data();
-  const std::uint32_t* const siteOffset = siteOffset_.data();
-  ModuleTypeId* const rightType = rightType_.data();
-  std::uint64_t* const rightOffset = rightOffset_.data();
-  const std::uint64_t first = first_;
-  const std::uint64_t firstOffset = offset_;
-  for (const std::uint32_t site : sites) {
-    std::uint64_t module = first + siteModule[site];
-    std::uint64_t offset = firstOffset + siteOffset[site] + arity[old.types[module]];
-    ModuleTypeId found = core::kNoModuleType;
-    ++module;
-    while (module < old.size) {
-      const ModuleTypeId type = old.types[module];
-      if ((passing[type] & (kSkippedRight | kJumpedRight)) == 0) [[likely]] {
-        found = type;
-        break;
-      }
-      if ((passing[type] & kSkippedRight) != 0) {
-        offset += arity[type];
-        ++module;
-      } else {
-        const StringIndex::Link& link = old.index->link(module);
-        if (link.partner == StringIndex::kNone) {
-          break;
-        }
-        module = link.partner + std::uint64_t{1};
-        offset += link.parameterCount;
-      }
-    }
-    rightType[site] = found;
-    rightOffset[site] = offset;
-  }
-}
-
-bool BatchRewriter::matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane) {
-  const language::Production& production = *rule.production;
-  const std::uint64_t module = first_ + siteModule_[site];
-  const std::uint64_t offset = offset_ + siteOffset_[site];
-  // the modules of the predecessor behind the first
-  const std::size_t length = production.predecessor.size();
-  std::uint64_t behind = offset + program_->arity[step_.old.types[module]];
-  if (length > 1) {
-    if (step_.old.size - module < length) {
-      return false;
-    }
-    for (std::size_t i = 1; i < length; ++i) {
-      const ModuleTypeId type = step_.old.types[module + i];
-      if (type != production.predecessor[i].type) {
-        return false;
-      }
-      behind += program_->arity[type];
-    }
-    if (production.rightContext.empty() && production.leftContext.empty()) {
-      return true;
-    }
-  }
-  const std::size_t leftCount = production.leftContext.size();
-  std::uint64_t* const row = rows_.data() + rowsUsed_;
-  if ((!production.rightContext.empty() &&
-       !derivation::findRight(*program_, *rules_, step_.old, production.rightContext, module + length, behind,
-                              row + leftCount)) ||
-      (leftCount > 0 &&
-       !derivation::findLeft(*program_, *rules_, step_.old, production.leftContext, module, offset, row))) {
-    return false;
-  }
-  laneLeft_[lane] = rowsUsed_;
-  rowsUsed_ += leftCount + production.rightContext.size();
-  return true;
-}
-
 void BatchRewriter::setLanes(const BatchRule& rule, std::size_t begin, std::size_t count) {
   const std::uint32_t* const site = laneSite_.data() + begin;
   const std::uint32_t* const siteOffset = siteOffset_.data();
@@ -515,7 +355,8 @@ void BatchRewriter::setLanes(const BatchRule& rule, std::size_t begin, std::size
     }
   }
   evaluator_.setLanes({count, rule.slots.data(), step_.old.parameters + offset_, step_.old.parameters, rows_.data(),
-                       own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin, modules_.data()});
+                       own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin,
+                       rule.drawsRandom ? modules_.data() : nullptr});
 }
 
 std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t count) {
@@ -537,31 +378,33 @@ std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t coun
       noteStores(rule, rule.before, begin, size, false);
     }
     const ColumnValue truth = rule.condition ? evaluator_.value(*rule.condition) : ColumnValue{nullptr, 1.0};
-    const auto isTrue = [&truth](std::size_t i) {
-      return (truth.values == nullptr ? truth.constant : truth.values[i]) != 0.0;
+    const bool areAllTrue = truth.values == nullptr
+                                ? truth.constant != 0.0
+                                : std::find(truth.values, truth.values + size, 0.0) == truth.values + size;
+    if (truth.values == nullptr && !areAllTrue) {
+      continue;
+    }
+    // the local variables, sites and neighbours of the lanes that stay move to the front
+    const auto keep = [&](auto* target, const auto* source) {
+      if (areAllTrue) {
+        std::copy(source, source + size, target);
+        return size;
+      }
+      std::size_t next = 0;
+      for (std::size_t i = 0; i < size; ++i) {
+        target[next] = source[i];
+        next += truth.values[i] != 0.0 ? 1 : 0;
+      }
+      return next;
     };
     for (std::size_t k = 0; k < rule.kept.size(); ++k) {
-      const double* const values = evaluator_.local(rule.kept[k]);
-      double* const target = keptLocals + k * kStride;
-      std::size_t next = kept;
-      for (std::size_t i = 0; i < size; ++i) {
-        target[next] = values[i];
-        next += isTrue(i) ? 1 : 0;
-      }
+      keep(keptLocals + k * kStride + kept, evaluator_.local(rule.kept[k]));
     }
     if (hasNeighbours) {
-      for (std::size_t i = 0; i < size; ++i) {
-        laneSite[kept] = laneSite[begin + i];
-        laneLeft[kept] = laneLeft[begin + i];
-        laneRight[kept] = laneRight[begin + i];
-        kept += isTrue(i) ? 1 : 0;
-      }
-    } else {
-      for (std::size_t i = 0; i < size; ++i) {
-        laneSite[kept] = laneSite[begin + i];
-        kept += isTrue(i) ? 1 : 0;
-      }
+      keep(laneLeft + kept, laneLeft + begin);
+      keep(laneRight + kept, laneRight + begin);
     }
+    kept += keep(laneSite + kept, laneSite + begin);
   }
   return kept - laneCount_;
 }
@@ -571,16 +414,14 @@ void BatchRewriter::noteStores(const BatchRule& rule, const ColumnCode& code, st
   const std::uint32_t* const site = laneSite_.data() + begin;
   for (const std::uint32_t local : code.stores) {
     const std::uint64_t* const isStored = evaluator_.storing(code, local);
-    // the last module of the string
+    // the last module of the string that has stored: lanes are in its order
     std::size_t last = count;
-    for (std::size_t i = 0; i < count; ++i) {
-      if ((isStored == nullptr || isStored[i] != 0) && (last == count || site[i] > site[last])) {
-        last = i;
-      }
+    while (isStored != nullptr && last > 0 && isStored[last - 1] == 0) {
+      --last;
     }
-    if (last < count) {
-      stores_.note(rule.statics[local], 2 * (first_ + siteModule_[site[last]]) + (isBehind ? 1 : 0),
-                   evaluator_.local(local)[last]);
+    if (last > 0) {
+      stores_.note(rule.statics[local], 2 * (first_ + siteModule_[site[last - 1]]) + (isBehind ? 1 : 0),
+                   evaluator_.local(local)[last - 1]);
     }
   }
 }
@@ -631,7 +472,7 @@ void BatchRewriter::dropOverlapped() {
       areDropped = true;
       continue;
     }
-    next = std::uint64_t{siteModule_[site]} + plan_->blocks()[siteBlock_[site]].readModules;
+    next = std::uint64_t{siteModule_[site]} + blocks_[siteBlock_[site]].readModules;
   }
   for (; end_ - first_ < next; ++end_) {
     endOffset_ += program_->arity[step_.old.types[end_]];
@@ -652,7 +493,7 @@ void BatchRewriter::dropOverlapped() {
 }
 
 void BatchRewriter::place() {
-  const BatchBlock* const blocks = plan_->blocks().data();
+  const BatchBlock* const blocks = blocks_.data();
   const std::uint32_t* const siteModule = siteModule_.data();
   const std::uint32_t* const siteOffset = siteOffset_.data();
   const std::uint32_t* const siteBlock = siteBlock_.data();

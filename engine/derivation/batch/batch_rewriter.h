@@ -8,6 +8,7 @@
 #include "engine/core/random.h"
 #include "engine/derivation/batch/batch_plan.h"
 #include "engine/derivation/batch/column_evaluator.h"
+#include "engine/derivation/batch/context_columns.h"
 #include "engine/derivation/batch/last_stores.h"
 #include "engine/derivation/batch/scratch.h"
 #include "engine/derivation/batch/type_sum.h"
@@ -74,11 +75,22 @@ class BatchRewriter {
     std::size_t count = 0;
   };
 
+  static constexpr std::uint64_t kNoRow = ~std::uint64_t{0};
+  // the effect of a module on searches for the nearest neighbours, as bits
+  static constexpr std::uint8_t kSkippedLeft = 1;   // passed by a search to the left
+  static constexpr std::uint8_t kSkippedRight = 2;  // passed by a search to the right
+  static constexpr std::uint8_t kJumpedLeft = 4;    // `]`: the branch is passed
+  static constexpr std::uint8_t kJumpedRight = 8;   // `[`
+
   [[nodiscard]] Outcome countFixed();
   void writeFixed(core::ModuleTypeId* types, double* parameters) const;
   void collectSites();
   void dropPairs();
+  void dropCutParts();
   void sortSites();
+  [[nodiscard]] std::span<const std::uint32_t> sitesOf(std::size_t group) const {
+    return {sorted_.data() + group * kChunkModules, groupEnds_[group] - group * kChunkModules};
+  }
   void chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites);
   void chooseFirst(const BatchGroup& group, std::span<const std::uint32_t> sites);
   void chooseByThresholds(const BatchGroup& group, std::span<const std::uint32_t> sites);
@@ -90,7 +102,8 @@ class BatchRewriter {
   std::size_t matchNear(const BatchRule& rule, std::span<const std::uint32_t> sites);
   void findLeft(std::span<const std::uint32_t> sites);
   void findRight(std::span<const std::uint32_t> sites);
-  [[nodiscard]] bool matchSearched(const BatchRule& rule, std::uint32_t site, std::size_t lane);
+  std::size_t matchSearched(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites);
+  [[nodiscard]] bool standsAt(const language::Production& production, std::uint64_t module) const;
   std::size_t keepWhereTrue(const BatchRule& rule, std::size_t count);
   void noteStores(const BatchRule& rule, const ColumnCode& code, std::size_t begin, std::size_t count, bool isBehind);
   void loadKept(const BatchRule& rule, std::size_t begin, std::size_t count);
@@ -130,12 +143,14 @@ class BatchRewriter {
   bool areDrawsLoaded_ = false;
   std::uint64_t lightSites_ = 0;
 
+  std::vector<BatchBlock> blocks_;  // those of the plan, then one for each `%` of the chunk
+
   // the sites: modules that may not stay as they are
   std::size_t siteCount_ = 0;
   Scratch<std::uint32_t> siteModule_;  // counted from the chunk's first module
   Scratch<std::uint32_t> siteOffset_;  // parameters, counted from those of the chunk's first module
   Scratch<std::uint8_t> siteBits_;     // candidates that may apply
-  Scratch<std::uint32_t> siteBlock_;   // the new modules: in BatchPlan::blocks
+  Scratch<std::uint32_t> siteBlock_;   // the new modules: in blocks_
   Scratch<std::uint32_t> madeModule_;  // their place, counted from the beginning of the chunk's result
   Scratch<std::uint32_t> madeOffset_;
   Scratch<std::uint32_t> resizing_;  // sites whose block has another size than the module
@@ -143,13 +158,11 @@ class BatchRewriter {
   std::uint32_t madeModules_ = 0;  // of the chunk's result, when something resizes
   std::uint32_t madeParameters_ = 0;
 
-  Scratch<std::uint32_t> allSites_;         // 0, 1, 2, ...
-  Scratch<std::uint32_t> sorted_;           // sites by group
-  std::vector<std::uint32_t> groupOf_;      // by module type: the group; groupCount: fixed; groupCount + 1: general
-  Scratch<std::uint32_t> siteGroup_;        // by site
-  std::vector<std::uint32_t> groupCounts_;  // by group: count of sites, then the place of the next site; two of each
-  std::vector<std::uint32_t> groupBegin_;   // (groupCount + 1)
-  Scratch<std::uint32_t> remaining_;        // sites that no rule has taken so far
+  Scratch<std::uint32_t> allSites_;       // 0, 1, 2, ...
+  Scratch<std::uint32_t> sorted_;         // sites by group, in the order of the string; kChunkModules for each group
+  std::vector<std::uint32_t> groupOf_;    // by module type: the group; groupCount: fixed; groupCount + 1: general
+  std::vector<std::uint32_t> groupEnds_;  // in sorted_ (groupCount + 2)
+  Scratch<std::uint32_t> remaining_;      // sites that no rule has taken so far
 
   // the lanes of all rules that chose sites
   std::size_t laneCount_ = 0;
@@ -160,6 +173,8 @@ class BatchRewriter {
   Scratch<core::ModuleTypeId> rightType_;
   Scratch<std::uint64_t> leftOffset_;  // by site: its parameters
   Scratch<std::uint64_t> rightOffset_;
+  ContextColumns contexts_;
+  Scratch<std::uint64_t> siteRow_;   // by site: what the last rule that keeps its places has found, or kNoRow
   std::vector<std::uint64_t> rows_;  // of context searches: where the parameters of each element begin
   std::size_t rowsUsed_ = 0;         // elements of rows_ that lanes of this chunk use
   Scratch<double> keptLocals_;       // BatchRule::kept of each lane, 2 * kChunkModules for each local variable

@@ -75,7 +75,7 @@ bool BatchRewriter::write(ModuleTypeId* types, double* parameters) {
 }
 
 void BatchRewriter::writeBlocks(ModuleTypeId* types, double* parameters) const {
-  const BatchBlock* blocks = plan_->blocks().data();
+  const BatchBlock* blocks = blocks_.data();
   const ModuleTypeId* oldTypes = step_.old.types + first_;
   const double* oldParameters = step_.old.parameters + offset_;
   // modules and parameters that can be read and written from the beginning of the chunk
@@ -140,7 +140,7 @@ void BatchRewriter::writeBlocks(ModuleTypeId* types, double* parameters) const {
 }
 
 bool BatchRewriter::staysAsItIs(std::size_t site) const {
-  const BatchBlock& block = plan_->blocks()[siteBlock_[site]];
+  const BatchBlock& block = blocks_[siteBlock_[site]];
   return siteBlock_[site] == 0 || (block.length == 1 && block.valueCount == 0 && !block.isResizing &&
                                    block.allTypes[0] == step_.old.types[first_ + siteModule_[site]]);
 }
@@ -166,7 +166,7 @@ void BatchRewriter::noteKept(std::uint64_t target, StepChanges& changes) const {
     if (count >= StepChanges::kShortestRun || from == 0) {
       changes.keep(first_ + from, target + to, count);
     }
-    const BatchBlock& block = plan_->blocks()[siteBlock_[site]];
+    const BatchBlock& block = blocks_[siteBlock_[site]];
     from = siteModule_[site] + std::uint64_t{block.readModules};
     to = madeModule[site] + std::uint64_t{block.length};
     if (siteCount_ > kManySites) {
@@ -178,7 +178,7 @@ void BatchRewriter::noteKept(std::uint64_t target, StepChanges& changes) const {
     while (last > site && staysAsItIs(last)) {
       --last;
     }
-    const BatchBlock& block = plan_->blocks()[siteBlock_[last]];
+    const BatchBlock& block = blocks_[siteBlock_[last]];
     from = siteModule_[last] + std::uint64_t{block.readModules};
     to = madeModule[last] + std::uint64_t{block.length};
   }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "engine/derivation/expressions/array_element.h"
+#include "engine/derivation/expressions/distributions.h"
 #include "engine/derivation/expressions/view_functions.h"
 #include "engine/language/arithmetic.h"
 
@@ -55,6 +56,7 @@ ColumnEvaluator::ColumnEvaluator(const language::Program& program, std::size_t s
       columns_((columnCount + 1) * kLanes),
       active_(kLanes),
       taken_(kLanes),
+      drawCounts_(kLanes),
       powers_(std::size_t{1} << kPowerBits, Power{0, 0, elementary_.pow(0.0, 0.0)}) {}
 
 void ColumnEvaluator::begin(const ColumnInputs& inputs) {
@@ -65,6 +67,7 @@ void ColumnEvaluator::begin(const ColumnInputs& inputs) {
 void ColumnEvaluator::setLanes(const Lanes& lanes) {
   lanes_ = lanes;
   ++generation_;
+  std::fill_n(drawCounts_.begin(), lanes.modules == nullptr ? 0 : lanes.count, 0U);
 }
 
 const double* ColumnEvaluator::slot(std::uint32_t index) {
@@ -322,20 +325,27 @@ void ColumnEvaluator::move(const ColumnInstruction& instruction, double* target,
   }
 }
 
-void ColumnEvaluator::raise(double* target, const ColumnValue& a, const ColumnValue& b) {
+double ColumnEvaluator::power(double x, double y) {
   // modules of one kind often have equal values
+  const auto base = std::bit_cast<std::uint64_t>(x);
+  const auto exponent = std::bit_cast<std::uint64_t>(y);
+  // multiplication mixes all bits into the highest ones
+  Power& known = powers_[((base ^ std::rotl(exponent, 23)) * 0x9E3779B97F4A7C15ULL) >> (64U - kPowerBits)];
+  if (known.base != base || known.exponent != exponent) [[unlikely]] {
+    known = {base, exponent, elementary_.pow(x, y)};
+  }
+  return known.value;
+}
+
+void ColumnEvaluator::raise(double* target, const ColumnValue& a, const ColumnValue& b) {
+  if (mask_ == nullptr) {
+    forEach(target, a, b, lanes_.count, [this](double x, double y) { return power(x, y); });
+    return;
+  }
   for (std::size_t i = 0; i < lanes_.count; ++i) {
-    if (!isActive(i)) {
-      continue;
+    if (isActive(i)) {
+      target[i] = power(at(a, i), at(b, i));
     }
-    const auto x = std::bit_cast<std::uint64_t>(at(a, i));
-    const auto y = std::bit_cast<std::uint64_t>(at(b, i));
-    // multiplication mixes all bits into the highest ones
-    Power& known = powers_[((x ^ std::rotl(y, 23)) * 0x9E3779B97F4A7C15ULL) >> (64U - kPowerBits)];
-    if (known.base != x || known.exponent != y) {
-      known = {x, y, elementary_.pow(at(a, i), at(b, i))};
-    }
-    target[i] = known.value;
   }
 }
 
@@ -343,6 +353,24 @@ double ColumnEvaluator::element(const ColumnInstruction& instruction, std::span<
   const language::ArrayVariable& variable = program_->systems.front().arrays[instruction.function];
   return inputs_
       .elements[arrayElement(variable, subscripts, [&](std::size_t) { noteWarning(instruction.instruction); })];
+}
+
+double ColumnEvaluator::draw(Function function, std::span<const double> arguments, std::size_t lane) {
+  // each module counts its draws, so jumps and rejected draws of other lanes change nothing
+  const auto uniform = [&] {
+    return inputs_.draws.uniform(core::DrawDomain::Production, static_cast<std::uint32_t>(inputs_.step),
+                                 lanes_.modules[lane], drawCounts_[lane]++);
+  };
+  switch (function) {
+    case Function::Nran: {
+      const NormalPair pair = drawNormalPair(uniform, elementary_);
+      return arguments[0] + arguments[1] * pair.second * pair.factor;
+    }
+    case Function::Bran:
+      return drawBeta(uniform, elementary_, arguments[0], arguments[1]);
+    default:
+      return arguments[0] * uniform();
+  }
 }
 
 void ColumnEvaluator::runOneByOne(const ColumnInstruction& instruction, double* target, const ColumnValue& a,
@@ -362,10 +390,8 @@ void ColumnEvaluator::runOneByOne(const ColumnInstruction& instruction, double* 
       target[i] = element(instruction, arguments);
     } else if (instruction.operation != Operation::Call) {
       target[i] = language::applyBinary(instruction.operation, numbers[0], numbers[1], dividesByZero, elementary_);
-    } else if (function == Function::Ran) {
-      target[i] =
-          numbers[0] * inputs_.draws.uniform(core::DrawDomain::Production, static_cast<std::uint32_t>(inputs_.step),
-                                             lanes_.modules[i], instruction.draw);
+    } else if (language::drawsRandom(function)) {
+      target[i] = draw(function, arguments, i);
     } else if (isViewFunction(function)) {
       const std::optional<double> value = viewValue(program_->view, function, arguments);
       if (!value) {

@@ -5,26 +5,14 @@ namespace {
 
 using language::ContextElement;
 
-/// Binds the parameters of the modules that match to a frame.
-struct FrameBinder {
-  const language::Program& program;
-  const ContextString& string;
-  double* frame;
-  void operator()(std::size_t, const language::FormalModule& formal, std::uint64_t offset) const {
-    const std::size_t arity = program.arity[formal.type];
-    for (std::size_t i = 0; i < arity; ++i) {
-      frame[formal.firstSlot + i] = string.parameters[offset + i];
-    }
+/// Binds the parameters of a module that matches to a frame.
+void bind(const language::Program& program, const ContextString& string, const language::FormalModule& formal,
+          std::uint64_t offset, double* frame) {
+  const std::size_t arity = program.arity[formal.type];
+  for (std::size_t i = 0; i < arity; ++i) {
+    frame[formal.firstSlot + i] = string.parameters[offset + i];
   }
-};
-
-/// Notes where the parameters of the modules that match begin.
-struct PlaceBinder {
-  std::uint64_t* offsets;
-  void operator()(std::size_t element, const language::FormalModule&, std::uint64_t offset) const {
-    offsets[element] = offset;
-  }
-};
+}
 
 /// Adds an entry to `looks`, when searches are recorded, and returns whether the element matched.
 template <bool kIsRecorded>
@@ -42,9 +30,9 @@ bool look(std::vector<ContextLook>* looks, ContextLook::Result result, const lan
   return result == ContextLook::Result::Matched;
 }
 
-template <bool kIsRing, bool kIsRecorded, typename Binder>
+template <bool kIsRing, bool kIsRecorded>
 bool searchLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, Binder binder,
+                std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
                 std::vector<ContextLook>* looks) {
   using Result = ContextLook::Result;
   const core::ModuleTypeId* const types = string.types;
@@ -78,7 +66,7 @@ bool searchLeft(const language::Program& program, const ContextRules& rules, con
           return look<kIsRecorded>(looks, Result::OtherModule, program, string, module, offset);
         }
         look<kIsRecorded>(looks, Result::Matched, program, string, module, offset);
-        binder(i, element.module, offset);
+        bind(program, string, element.module, offset, frame);
         break;
       }
       if ((trait & ContextRules::kCloseBranch) != 0) {
@@ -102,9 +90,9 @@ bool searchLeft(const language::Program& program, const ContextRules& rules, con
   return true;
 }
 
-template <bool kIsRing, bool kIsRecorded, typename Binder>
+template <bool kIsRing, bool kIsRecorded>
 bool searchRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                 std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, Binder binder,
+                 std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
                  std::vector<ContextLook>* looks) {
   using Result = ContextLook::Result;
   const core::ModuleTypeId* const types = string.types;
@@ -151,7 +139,7 @@ bool searchRight(const language::Program& program, const ContextRules& rules, co
           return look<kIsRecorded>(looks, Result::OtherModule, program, string, module, offset);
         }
         look<kIsRecorded>(looks, Result::Matched, program, string, module, offset);
-        binder(i, element.module, offset);
+        bind(program, string, element.module, offset, frame);
         offset += arity[type];
         if ((trait & (ContextRules::kOpenBranch | ContextRules::kCloseBranch)) != 0) {
           entered = entersBranch && areBracketsSeen ? module : string.size;
@@ -192,41 +180,23 @@ ContextRules::ContextRules(const language::Program& program, const language::LSy
 bool matchesLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
                  std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
                  std::vector<ContextLook>* looks) {
-  const FrameBinder binder{program, string, frame};
   if (looks != nullptr) {
-    return rules.isRing() ? searchLeft<true, true>(program, rules, string, context, module, offset, binder, looks)
-                          : searchLeft<false, true>(program, rules, string, context, module, offset, binder, looks);
+    return rules.isRing() ? searchLeft<true, true>(program, rules, string, context, module, offset, frame, looks)
+                          : searchLeft<false, true>(program, rules, string, context, module, offset, frame, looks);
   }
-  return rules.isRing() ? searchLeft<true, false>(program, rules, string, context, module, offset, binder, looks)
-                        : searchLeft<false, false>(program, rules, string, context, module, offset, binder, looks);
+  return rules.isRing() ? searchLeft<true, false>(program, rules, string, context, module, offset, frame, looks)
+                        : searchLeft<false, false>(program, rules, string, context, module, offset, frame, looks);
 }
 
 bool matchesRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
                   std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
                   std::vector<ContextLook>* looks) {
-  const FrameBinder binder{program, string, frame};
   if (looks != nullptr) {
-    return rules.isRing() ? searchRight<true, true>(program, rules, string, context, module, offset, binder, looks)
-                          : searchRight<false, true>(program, rules, string, context, module, offset, binder, looks);
+    return rules.isRing() ? searchRight<true, true>(program, rules, string, context, module, offset, frame, looks)
+                          : searchRight<false, true>(program, rules, string, context, module, offset, frame, looks);
   }
-  return rules.isRing() ? searchRight<true, false>(program, rules, string, context, module, offset, binder, looks)
-                        : searchRight<false, false>(program, rules, string, context, module, offset, binder, looks);
-}
-
-bool findLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
-              std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset,
-              std::uint64_t* offsets) {
-  const PlaceBinder binder{offsets};
-  return rules.isRing() ? searchLeft<true, false>(program, rules, string, context, module, offset, binder, nullptr)
-                        : searchLeft<false, false>(program, rules, string, context, module, offset, binder, nullptr);
-}
-
-bool findRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
-               std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset,
-               std::uint64_t* offsets) {
-  const PlaceBinder binder{offsets};
-  return rules.isRing() ? searchRight<true, false>(program, rules, string, context, module, offset, binder, nullptr)
-                        : searchRight<false, false>(program, rules, string, context, module, offset, binder, nullptr);
+  return rules.isRing() ? searchRight<true, false>(program, rules, string, context, module, offset, frame, looks)
+                        : searchRight<false, false>(program, rules, string, context, module, offset, frame, looks);
 }
 
 }  // namespace espalier::derivation

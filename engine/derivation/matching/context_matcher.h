@@ -64,13 +64,4 @@ struct ContextLook {
                                 std::uint64_t module, std::uint64_t offset, double* frame,
                                 std::vector<ContextLook>* looks = nullptr);
 
-/// The same two searches. Instead of parameters, `offsets` gets the place where those of each element's module begin
-/// (size of the context).
-[[nodiscard]] bool findLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                            std::span<const language::ContextElement> context, std::uint64_t module,
-                            std::uint64_t offset, std::uint64_t* offsets);
-[[nodiscard]] bool findRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
-                             std::span<const language::ContextElement> context, std::uint64_t module,
-                             std::uint64_t offset, std::uint64_t* offsets);
-
 }  // namespace espalier::derivation

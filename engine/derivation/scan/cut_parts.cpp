@@ -7,27 +7,7 @@
 namespace espalier::derivation {
 
 CutParts::CutParts(const language::Program& program)
-    : program_(&program), cut_(program.cut), keepingCut_(program.findType("%", 1)), marker_(program.findType("%", 2)) {}
-
-StringPart CutParts::find(const ModuleString& old, std::uint64_t module, std::uint64_t offset) const {
-  const std::span<const core::ModuleTypeId> types = old.types();
-  StringPart part{module + 1, module + 1, offset + program_->arity[types[module]], 0};
-  part.endParameter = part.firstParameter;
-  std::uint64_t depth = 0;
-  for (; part.endModule < types.size(); ++part.endModule) {
-    const core::ModuleTypeId type = types[part.endModule];
-    if (type == program_->openBranch) {
-      ++depth;
-    } else if (type == program_->closeBranch) {
-      if (depth == 0) {
-        break;
-      }
-      --depth;
-    }
-    part.endParameter += program_->arity[type];
-  }
-  return part;
-}
+    : cut_(program.cut), keepingCut_(program.findType("%", 1)), marker_(program.findType("%", 2)) {}
 
 void CutParts::add(const ModuleString& old, const StringPart& part, std::uint64_t offset) {
   if (keepsPart(old.types()[part.firstModule - 1])) {

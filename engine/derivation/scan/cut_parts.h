@@ -5,17 +5,10 @@
 
 #include "engine/derivation/expressions/evaluator.h"
 #include "engine/derivation/state/module_string.h"
+#include "engine/derivation/state/string_part.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {
-
-/// A part of the old string.
-struct StringPart {
-  std::uint64_t firstModule = 0;
-  std::uint64_t endModule = 0;
-  std::uint64_t firstParameter = 0;
-  std::uint64_t endParameter = 0;
-};
 
 /// The parts that cut symbols remove from the string in one step. A `%` drops its part. A `%(p)` moves it to the end of
 /// the new string, behind a module `%(p,n)`.
@@ -28,9 +21,6 @@ class CutParts {
   /// Whether the type is `%(p)`.
   [[nodiscard]] bool keepsPart(core::ModuleTypeId type) const { return type == keepingCut_; }
 
-  /// The part that the cut symbol at `module` removes: from behind the symbol to the `]` of its branch, or to the end
-  /// of the string. The symbol's parameters begin at `offset`. O(modules of the part).
-  [[nodiscard]] StringPart find(const ModuleString& old, std::uint64_t module, std::uint64_t offset) const;
   /// Keeps the part if its symbol is `%(p)`.
   void add(const ModuleString& old, const StringPart& part, std::uint64_t offset);
   /// Keeps the parts that another scan of the same string has kept.
@@ -45,7 +35,6 @@ class CutParts {
     double parameter = 0.0;  // p
   };
 
-  const language::Program* program_;
   core::ModuleTypeId cut_;         // `%`
   core::ModuleTypeId keepingCut_;  // `%` with one parameter
   core::ModuleTypeId marker_;      // `%` with two parameters

@@ -78,7 +78,7 @@ void ModuleRewriter::rewriteNext(const SystemTables& tables, double draw, ScanPl
 }
 
 StringPart ModuleRewriter::cut(const ScanPlace& place) {
-  const StringPart part = context_->cuts.find(*context_->old, place.module, place.offset);
+  const StringPart part = findCutPart(context_->program, context_->old->types(), place.module, place.offset);
   cut(place, part);
   return part;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/derivation/plan_text.h"
 #include "engine/derivation/system_tables.h"
 #include "tests/support/derived_model.h"
 
@@ -37,6 +38,7 @@ TEST(BatchPlan, PureProductionsOfOneModuleMakeGroups) {
   EXPECT_EQ(Planned("", "A < B(x) > C(y) : x>y && sqrt(x)<2 --> B(x+1)\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("", "B(x) --> B(x != 0 && 1/x > 2 ? x : 3)\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("", "B(x) --> B(ran(x))C(1-ran(2))\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("", "B(x) --> B(x>1 ? nran(x,1) : 0)C(bran(1,x))\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("Seed: 1\n", "A --> x : 1\nA --> y : 2\n").classOf("A", 0), BatchPlan::Class::Group);
 }
 
@@ -62,16 +64,60 @@ TEST(BatchPlan, WhatHasSideEffectsOrReachesFurtherIsGeneral) {
   EXPECT_EQ(Planned("Start: {n=0;}\n", "B(x) : {n=n+x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
   // where another predecessor wins, its block must not run
   EXPECT_EQ(Planned("", "AB(x) --> A\nB(x) : {n=x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
-  // how many draws a module makes must not depend on its parameters
-  EXPECT_EQ(Planned("", "B(x) --> B(x>1 ? ran(x) : 0)\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "B(x) : ran(x)>1 --> B(2)\n").classOf("B", 1), BatchPlan::Class::General);
-  EXPECT_EQ(Planned("", "B(x) --> B(nran(x,1))\n").classOf("B", 1), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "B(x) --> B(biran(x,0.5))\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "A << B(x) --> A\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nB(x) : {n=x;} 1 --> A\n").classOf("A", 0),
             BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nA < B(x) --> A\n").classOf("A", 0), BatchPlan::Class::General);
-  EXPECT_EQ(Planned("", "A --> x\n").classOf("%", 0), BatchPlan::Class::General);
-  EXPECT_FALSE(Planned("", "A --> x\n").plan().isComplete());
+  // a predecessor of several modules may take the cut symbol with it, decomposition may replace it
+  EXPECT_EQ(Planned("", "AB(x) --> A\n").classOf("%", 0), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "A --> x\ndecomposition\n% --> A\n").classOf("%", 0), BatchPlan::Class::General);
+  EXPECT_FALSE(Planned("", "AB(x) --> A\n").plan().isComplete());
+}
+
+TEST(BatchPlan, CodeAndChoicesByWeightAreWorthBatchesSooner) {
+  EXPECT_TRUE(Planned("", "B(x) : x<3 --> B(x+1)\n").plan().isCheap());
+  EXPECT_TRUE(Planned("Seed: 1\n", "B(x) --> B(x+1) : 1\n").plan().isCheap());
+  EXPECT_FALSE(Planned("Seed: 1\n", "B(x) --> B(x+1) : 1\nB(x) --> A : 2\n").plan().isCheap());
+  EXPECT_FALSE(Planned("", "B(x) : x*x+1<3 --> B(x+1)\n").plan().isCheap());
+}
+
+TEST(BatchPlan, CutsBelongToBatchesOfOneThread) {
+  const Planned planned("", "A --> x\n");
+  EXPECT_EQ(planned.classOf("%", 0), BatchPlan::Class::Cut);
+  EXPECT_TRUE(planned.plan().isComplete());
+  EXPECT_FALSE(planned.plan().isFixedOnly());
+  EXPECT_FALSE(planned.plan().isChunkable());
+}
+
+TEST(BatchPlan, RulesWithTheSameContextsShareWhatTheFirstFinds) {
+  const auto sharing = [](const std::string& items, const std::string& productions) {
+    const Planned planned(items, productions);
+    std::string text;
+    for (const BatchRule& rule : planned.plan().rules()) {
+      text += rule.keepsPlaces ? 'k' : rule.sharesPlaces ? 's' : '-';
+    }
+    return text;
+  };
+  const std::string same = "A B(x) < C(y) : x>y --> A\nA B(u) < C(v) : u<v --> B(u)\n";
+  EXPECT_EQ(sharing("", same + "A < C(y) --> B(y)\nA B(x) < C(y) --> A\n"), "ks-s");
+  EXPECT_EQ(sharing("", same + "A C(x) < C(y) : x>2 --> A\nA B(x) < C(y) --> A\n"), "ks--");
+  EXPECT_EQ(sharing("", "C(y) > [A=]B(x) : x>1 --> A\nC(y) > [A=]B(x) : x<1 --> B(x)\n"), "ks");
+  EXPECT_EQ(sharing("", "C(y) > [A=]B(x) : x>1 --> A\nC(y) > [A]B(x) : x<1 --> B(x)\n"), "--");
+  EXPECT_EQ(sharing("", "C(y)A > A A : y>1 --> A\nC(y)B(x) > A A : x<1 --> B(x)\n"), "--");
+  // the choice by weight searches again
+  EXPECT_EQ(sharing("Seed: 1\n", "A A < C(y) --> A : 1\nA A < C(y) --> B(y) : 2\n"), "--");
+}
+
+TEST(BatchPlan, TheTextOfThePlanSaysHowNeighboursAreFound) {
+  const Planned planned("", "A B(x) < C(y) : x>y --> A\nA B(u) < C(v) : u<v --> B(u)\n");
+  EXPECT_EQ(
+      derivation::planText(planned.model.program()),
+      "L-system 1\nproduction 0: A B(x) < C(y) : x>y --> A\n"
+      "  in batches; its neighbours are searched for all modules at once, one element of the context after the other\n"
+      "production 1: A B(u) < C(v) : u<v --> B(u)\n"
+      "  in batches; a production before it has found the same neighbours\n");
 }
 
 TEST(BatchPlan, PairsOfNeighboursRuleOutProductions) {

@@ -14,18 +14,20 @@ namespace espalier::test {
 
 /// Makes models of productions: letters A to E with up to two parameters, G with seven, brackets, contexts, conditions,
 /// weights, functions, divisions by what may be 0, blocks with local and shared variables, loops, arrays,
-/// decomposition.
+/// decomposition, cuts.
 class ModelMaker {
  public:
   explicit ModelMaker(unsigned seed) : random_(seed) {}
 
-  std::string model() {
-    std::string text = "Lsystem: 1\nderivation length: 50\n";
+  /// `settings`: lines behind the derivation length.
+  std::string model(const std::string& settings = "") {
+    std::string text = "Lsystem: 1\nderivation length: 50\n" + settings;
     letters_ = chance(20) ? "AABBCDE+G" : "AABBCDE+";
     isStochastic_ = chance(40);
     hasContexts_ = chance(60);
     hasVariables_ = chance(50);
     hasBlocks_ = chance(50);
+    cutPercent_ = chance(15) ? 12 : 2;
     const bool hasDecomposition = chance(25);
     if (isStochastic_) {
       text += "Seed: " + std::to_string(number(1, 60000)) + "\n";
@@ -207,7 +209,9 @@ class ModelMaker {
       case 1:
         return "ran(" + text + ")";
       case 2:
-        return chance(20) && !names.empty() ? oneOf(names) + ">1 ? ran(1) : 2" : text;
+        return chance(50) && !names.empty() ? oneOf(names) + ">1 ? ran(1) : nran(" + text + ",0.5)" : text;
+      case 3:
+        return "nran(" + text + ",0.1)*ran(1)";
       default:
         return text;
     }
@@ -220,7 +224,7 @@ class ModelMaker {
         text += "[" + modules(number(1, 3), names, depth - 1) + "]";
         continue;
       }
-      if (chance(2)) {
+      if (chance(cutPercent_)) {
         text += "%";
         continue;
       }
@@ -250,9 +254,12 @@ class ModelMaker {
     }
   }
 
-  std::string production() {
-    std::string names;
-    mayDraw_ = true;
+  /// What stands before the condition: contexts and predecessor. Several productions may have the same.
+  std::string head(std::string& names) {
+    if (!lastHead_.empty() && chance(30)) {
+      names = lastNames_;
+      return lastHead_;
+    }
     std::string left;
     if (hasContexts_ && chance(40)) {
       left = formal(names) + (chance(25) ? formal(names) : "") + " < ";
@@ -265,7 +272,15 @@ class ModelMaker {
     if (hasContexts_ && chance(40)) {
       right = " > " + rightContext(names);
     }
-    std::string text = left + predecessor + right;
+    lastHead_ = left + predecessor + right;
+    lastNames_ = names;
+    return lastHead_;
+  }
+
+  std::string production() {
+    std::string names;
+    mayDraw_ = true;
+    std::string text = head(names);
     if (hasBlocks_ && chance(50)) {
       const bool hasBefore = chance(60);
       text += " : " + (hasBefore ? block(names, false) + " " : std::string()) + (chance(70) ? condition(names) : "1");
@@ -296,6 +311,9 @@ class ModelMaker {
 
   std::mt19937 random_;
   std::string letters_;
+  std::string lastHead_;
+  std::string lastNames_;
+  int cutPercent_ = 2;
   bool hasVariables_ = false;
   bool hasBlocks_ = false;
   bool isStochastic_ = false;

@@ -119,18 +119,20 @@ TEST(Scan, AgreesWithThePlainDerivationOnSeveralThreads) {
   EXPECT_GT(compareModels(2150, 150, 20000, 4).changedCount, 300U);
 }
 
-/// Both ways of one step in the compatible mode, whose draws and floats the plain derivation does not know: the scans,
-/// and a recorded step, which goes the general way.
-std::size_t compareWithRecordedSteps(unsigned first, unsigned count) {
+/// Both ways of one step where the plain derivation knows too little (draws and floats of the compatible mode, rings):
+/// the scans, and a recorded step, which goes the general way.
+std::size_t compareWithRecordedSteps(unsigned first, unsigned count,
+                                     core::Compatibility mode = core::Compatibility::Cpfg,
+                                     const std::string& settings = "") {
   std::size_t changedCount = 0;
   for (unsigned seed = first; seed < first + count; ++seed) {
-    const std::string text = ModelMaker(seed).model();
+    const std::string text = ModelMaker(seed).model(settings);
     SCOPED_TRACE("model " + std::to_string(seed) + ":\n" + text);
     derivation::DerivationOptions options;
     options.threads = 1 + seed % 3;
     options.threadedModules = 1;
-    DerivedModel fast(text, options, core::Compatibility::Cpfg);
-    DerivedModel general(text, options, core::Compatibility::Cpfg);
+    DerivedModel fast(text, options, mode);
+    DerivedModel general(text, options, mode);
     for (int step = 0; step < 8 && fast.state().string.size() < 3000; ++step) {
       const std::string before = fast.text();
       fast.derivation().derive(fast.state());
@@ -152,6 +154,10 @@ std::size_t compareWithRecordedSteps(unsigned first, unsigned count) {
 
 TEST(Scan, AgreesWithTheGeneralWayInTheCompatibleMode) {
   EXPECT_GT(compareWithRecordedSteps(0, 400), 800U);
+}
+
+TEST(Scan, AgreesWithTheGeneralWayInRings) {
+  EXPECT_GT(compareWithRecordedSteps(0, 300, core::Compatibility::Espalier, "Ring Lsystem\n"), 600U);
 }
 
 TEST(Scan, DecompositionInBatchesWarnsOnceWhereTheDepthEnds) {
@@ -204,6 +210,59 @@ void expectPlainSteps(const std::string& text, unsigned threads, std::uint64_t s
     ASSERT_EQ(types, std::vector<core::ModuleTypeId>(madeTypes.begin(), madeTypes.end())) << "step " << step;
     ASSERT_EQ(parameters, std::vector<double>(madeParameters.begin(), madeParameters.end())) << "step " << step;
   }
+}
+
+TEST(Scan, ProductionsWithTheSameContextsFindTheSameNeighbours) {
+  // the conditions of the first and the third refuse; between them stands another context
+  std::string axiom;
+  for (int i = 0; i < 1200; ++i) {
+    const std::string number = std::to_string(i % 9);
+    axiom += "I(" + number + ",1)J(" + std::to_string(i % 5) + ")[+K(" + number + ")A(1)]" + (i % 4 == 0 ? "A(2)" : "");
+  }
+  const std::string productions =
+      "I(a,b) < J(c) > [K(d)=] : a<3 && c>1 --> J(c+d)\n"
+      "I(a,b) < J(c) > [K(d)A(e)] : a<6 && c<3 --> J(a+e)\n"
+      "I(a,b) < J(c) > [K(d)=] : a>7 --> J(0)\n"
+      "I(a,b) < J(x) > [K(y)=] : x>3 {z=y*0.5;} --> J(z)\n"
+      "J(c) K(a) < A(b) > A(d) : c>2 --> A(a)\nJ(c) K(a) < A(b) > A(d) --> A(b+0.5)\n"
+      "I(a,b) J(c) < A(d) --> A(c)\n";
+  for (const unsigned threads : {1U, 2U}) {
+    expectPlainSteps(test::modelText("ignore: +\n", axiom, productions), threads, 6);
+  }
+}
+
+TEST(Scan, ACutTakesTheRestOfItsBranchAcrossChunks) {
+  // parts of one module, of some branches, and longer than a chunk; others begin in a part and have no effect
+  std::string axiom;
+  for (int i = 0; i < 400; ++i) {
+    axiom += "A(" + std::to_string(i % 5) + ")[+B(2)" + (i % 3 == 0 ? "%" : "") + "C(0)[A(1)%A(2)]B(1)]";
+  }
+  std::string longPart = "[B(1)%";
+  for (int i = 0; i < 3000; ++i) {
+    longPart += i % 50 == 0 ? "[C(0)%]" : "B(1)";
+  }
+  const std::string productions =
+      "A(x) : {u=x*2;} x<40 {v=u+1;} --> A(v)S(0)\nB(x) : x<5 --> B(x+1)\nC(x) : 1/(x-2)<9 --> C(x+0.5)\n"
+      "S(n) : n<2 --> S(n+1)\nS(n) : n==2 --> [F(1)%B(0)A(7)]\n";
+  for (const std::string& text : {axiom, axiom + longPart + "]" + axiom, axiom + "%" + axiom, longPart}) {
+    expectPlainSteps(test::modelText("", text, productions), 1, 7);
+    expectPlainSteps(test::modelText("", text, productions), 2, 7);
+    expectPlainSteps(
+        test::modelText("", text, productions + "decomposition\nmaximum depth: 3\nF(x) : x>0 --> F(x-1)F(0)\n"), 1, 7);
+  }
+}
+
+TEST(Scan, WhatIsCutNeitherWarnsNorRunsBlocks) {
+  // behind each `%` stands a division by 0 and an assignment
+  std::string axiom;
+  for (int i = 0; i < 500; ++i) {
+    axiom += "A(1)[%A(0)]A(2)";
+  }
+  DerivedModel model(modelText("", axiom + "[A(4)%A(5)]", "A(x) : {u=x;} 1/x>0 --> A(u+0.5)\n"));
+  model.steps(1);
+  EXPECT_TRUE(model.warnings().empty());
+  EXPECT_EQ(model.text().substr(0, 26), "A(1.5)[]A(2.5)A(1.5)[]A(2.");
+  EXPECT_EQ(model.state().statics.at(0), 4.0);
 }
 
 TEST(Scan, LongWaysOverBranchesEndAtTheSameNeighbour) {

@@ -1,0 +1,203 @@
+#include "engine/derivation/batch/context_columns.h"
+
+namespace espalier::derivation {
+
+using core::ModuleTypeId;
+using language::ContextElement;
+
+ContextColumns::ContextColumns(const language::Program& program, const ContextRules& rules, std::size_t laneCount)
+    : program_(&program),
+      rules_(&rules),
+      areBracketsSeen_(!rules.isRing() && !rules.isIgnored(program.openBranch) &&
+                       !rules.isIgnored(program.closeBranch)),
+      found_(laneCount),
+      modules_(laneCount),
+      offsets_(laneCount),
+      branches_(laneCount),
+      insides_(laneCount) {
+  for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
+    const auto type = static_cast<ModuleTypeId>(i);
+    const bool isOpen = type == program.openBranch;
+    const bool isIgnored = rules.isIgnored(type);
+    // a branch is passed as a whole, unless its bracket is ignored
+    atModule_.push_back(isIgnored ? Move::Pass : isOpen ? Move::Leave : Move::Stop);
+    atBranch_.push_back(isIgnored ? Move::Pass : Move::Stop);
+    // brackets alone decide where the branch ends
+    atBranchEnd_.push_back(type == program.closeBranch ? Move::Stop : isOpen ? Move::Leave : Move::Pass);
+  }
+}
+
+void ContextColumns::findLeft(const ContextString& string, std::span<const ContextElement> context,
+                              std::size_t firstElement, std::uint64_t* places) {
+  for (std::size_t i = 0; i < context.size() && foundCount_ > 0; ++i) {
+    if (context[i].kind != ContextElement::Kind::Module) {
+      foundCount_ = 0;
+      return;
+    }
+    const ModuleTypeId sought = context[i].module.type;
+    rules_->isRing() ? findLeftOf<true>(string, sought, places + firstElement + i)
+                     : findLeftOf<false>(string, sought, places + firstElement + i);
+  }
+}
+
+template <bool kIsRing>
+void ContextColumns::findLeftOf(const ContextString& string, ModuleTypeId sought, std::uint64_t* places) {
+  const ModuleTypeId* const types = string.types;
+  const std::uint16_t* const arity = program_->arity.data();
+  const std::uint8_t* const traits = rules_->traits();
+  const ModuleTypeId openBranch = program_->openBranch;
+  std::uint32_t* const alive = found_.data();
+  std::uint64_t* const modules = modules_.data();
+  std::uint64_t* const offsets = offsets_.data();
+  const std::size_t rowSize = rowSize_;
+  const std::size_t count = foundCount_;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t search = alive[i];
+    std::uint64_t module = modules[search];
+    std::uint64_t offset = offsets[search];
+    ModuleTypeId found = core::kNoModuleType;
+    // without a bound, the search would never end in a ring of ignored modules
+    [[maybe_unused]] std::uint64_t remaining = string.size + 1;
+    std::uint32_t passed = 0;
+    while (true) {
+      if (module == 0) {
+        if (!kIsRing || !string.canWrap) {
+          break;
+        }
+        module = string.size;
+        offset = string.parameterCount;
+      }
+      if (kIsRing && --remaining == 0) {
+        break;
+      }
+      --module;
+      const ModuleTypeId type = types[module];
+      const std::uint8_t trait = traits[type];
+      offset -= arity[type];
+      if (trait == 0) [[likely]] {
+        found = type;
+        break;
+      }
+      if ((trait & ContextRules::kCloseBranch) != 0) {
+        const StringIndex::Link link = string.index->link(module);
+        if (link.partner == StringIndex::kNone) {
+          break;
+        }
+        module = link.partner;
+        offset -= link.parameterCount;
+      }
+      // a search that has passed many modules goes on where an earlier search has ended
+      if (++passed > LeftShortcuts::kNearModules && string.shortcuts != nullptr && types[module] == openBranch) {
+        const LeftShortcuts::Place end = string.shortcuts->follow(*program_, *rules_, string, {module, offset});
+        module = end.module;
+        offset = end.offset;
+        passed = 0;
+      }
+    }
+    places[search * rowSize] = offset;
+    modules[search] = module;
+    offsets[search] = offset;
+    alive[kept] = search;
+    kept += found == sought ? 1 : 0;
+  }
+  foundCount_ = kept;
+}
+
+void ContextColumns::findRight(const ContextString& string, std::span<const ContextElement> context,
+                               std::size_t firstElement, std::uint64_t* places) {
+  bool isEntered = false;  // a bracket of the context has entered the branch whose end is sought
+  for (std::size_t i = 0; i < context.size() && foundCount_ > 0; ++i) {
+    const ContextElement& element = context[i];
+    const bool isBranchEnd = element.kind == ContextElement::Kind::SkipToBranchEnd;
+    const bool entersBranch = element.kind == ContextElement::Kind::OpenBranch;
+    if (isBranchEnd && isEntered) {
+      moveToBranchEnds(string);
+    }
+    const Move* const moves = (isBranchEnd ? atBranchEnd_ : entersBranch ? atBranch_ : atModule_).data();
+    const ModuleTypeId sought = isBranchEnd ? core::kNoModuleType : element.module.type;
+    rules_->isRing() ? findRightOf<true>(string, moves, sought, places + firstElement + i)
+                     : findRightOf<false>(string, moves, sought, places + firstElement + i);
+    if (!isBranchEnd && (sought == program_->openBranch || sought == program_->closeBranch)) {
+      isEntered = entersBranch && areBracketsSeen_;
+    }
+  }
+}
+
+void ContextColumns::moveToBranchEnds(const ContextString& string) {
+  for (const std::uint32_t search : found()) {
+    const StringIndex::Link link = string.index->link(branches_[search]);
+    if (link.partner != StringIndex::kNone) {
+      move(search, link.partner, insides_[search] + link.parameterCount);
+    }
+  }
+}
+
+template <bool kIsRing>
+void ContextColumns::findRightOf(const ContextString& string, const Move* moves, ModuleTypeId sought,
+                                 std::uint64_t* places) {
+  const ModuleTypeId* const types = string.types;
+  const std::uint16_t* const arity = program_->arity.data();
+  const bool isAnyStopRight = sought == core::kNoModuleType;
+  const bool isOpen = sought == program_->openBranch;
+  // the end of a branch is reached, not passed
+  const std::uint64_t step = isAnyStopRight ? 0 : 1;
+  const std::uint64_t behind = isAnyStopRight ? 0 : arity[sought];
+  const std::uint64_t size = string.size;
+  std::uint32_t* const alive = found_.data();
+  std::uint64_t* const modules = modules_.data();
+  std::uint64_t* const offsets = offsets_.data();
+  std::uint64_t* const branches = branches_.data();
+  std::uint64_t* const insides = insides_.data();
+  const std::size_t rowSize = rowSize_;
+  const std::size_t count = foundCount_;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t search = alive[i];
+    std::uint64_t module = modules[search];
+    std::uint64_t offset = offsets[search];
+    bool isFound = false;
+    [[maybe_unused]] std::uint64_t remaining = size + 1;
+    while (true) {
+      if (module >= size) {
+        if (!kIsRing || size == 0) {
+          break;
+        }
+        module = 0;
+        offset = 0;
+      }
+      if (kIsRing && --remaining == 0) {
+        break;
+      }
+      const ModuleTypeId type = types[module];
+      const Move move = moves[type];
+      if (move == Move::Stop) [[likely]] {
+        isFound = isAnyStopRight || type == sought;
+        break;
+      }
+      if (move == Move::Pass) {
+        offset += arity[type];
+        ++module;
+        continue;
+      }
+      const StringIndex::Link link = string.index->link(module);
+      if (link.partner == StringIndex::kNone) {
+        break;
+      }
+      module = link.partner + 1;
+      offset += link.parameterCount;
+    }
+    places[search * rowSize] = offset;
+    modules[search] = module + step;
+    offsets[search] = offset + behind;
+    if (isOpen) {
+      branches[search] = module;
+      insides[search] = offset + behind;
+    }
+    alive[kept] = search;
+    kept += isFound ? 1 : 0;
+  }
+  foundCount_ = kept;
+}
+
+}  // namespace espalier::derivation
