@@ -124,7 +124,7 @@ export class Editor {
     parent: HTMLElement,
     private readonly onEdit: (file: string, text: string) => void,
     private readonly onBuild: () => void,
-    private readonly help: LanguageHelp,
+    private readonly help: LanguageHelp | null, // null: the text is only read
   ) {
     this.view = new EditorView({ parent, state: this.made("", "") });
     // long lines are scrolled with the keyboard too
@@ -150,7 +150,8 @@ export class Editor {
         theme,
         EditorView.contentAttributes.of({ "aria-label": "Text of the model" }),
         EditorState.tabSize.of(4),
-        file ? [this.help.keys, this.help.extension(file)] : [],
+        file && this.help ? [this.help.keys, this.help.extension(file)] : [],
+        EditorState.readOnly.of(this.help === null),
         keymap.of([
           { key: "Mod-Enter", run: () => (this.onBuild(), true) },
           ...closeBracketsKeymap,

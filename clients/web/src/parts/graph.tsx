@@ -20,7 +20,7 @@ export function Graph({ studio, file, curve }: { studio: Studio; file: string; c
   const [x0, x1, y0, y1] = held?.frame ?? [left, right, low - 0.08 * (high - low), high + 0.08 * (high - low)];
   const toX = (x: number) => MARGIN + ((x - x0) / (x1 - x0 || 1)) * (WIDTH - 2 * MARGIN);
   const toY = (y: number) => HEIGHT - MARGIN - ((y - y0) / (y1 - y0 || 1)) * (HEIGHT - 2 * MARGIN);
-  const move = (index: number, x: number, y: number) => studio.editContinuously(file, withPoint(studio.document.files[file], curve, index, x, y));
+  const move = (index: number, x: number, y: number) => studio.act(() => studio.editContinuously(file, withPoint(studio.document.files[file], curve, index, x, y)));
   const dragged = (event: PointerEvent) => {
     if (held) {
       const box = place.current!.getBoundingClientRect();

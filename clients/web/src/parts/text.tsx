@@ -32,13 +32,13 @@ export function TextPane({ studio }: { studio: Studio }) {
       },
       send: (message) => studio.editorMessage(message),
     });
-    studio.onConnected = () => help.connect();
+    studio.onConnected = () => !studio.isReadOnly && help.connect();
     studio.onUndo = (isRedo) => editor.current?.undo(isRedo);
     editor.current = new Editor(
       place.current!,
       (file, text) => studio.edit(file, text),
       () => void studio.act(() => studio.build(studio.isFinished ? undefined : studio.step)),
-      help,
+      studio.isReadOnly ? null : help,
     );
     (place.current as unknown as { editor: Editor }).editor = editor.current;
   }, []);

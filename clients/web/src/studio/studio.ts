@@ -37,7 +37,8 @@ export class Studio {
 
   simulation: Simulation | null = null;
   isOwn = false; // this page made it, so this page may replace it
-  isReadOnly = false; // a link to watch: the server lets this page change nothing
+  // a link to watch: the server lets this page change nothing
+  readonly isReadOnly = new URLSearchParams(location.hash.slice(1)).has("watch");
   seed = 7;
   step = 0;
   length = 0;
@@ -113,7 +114,6 @@ export class Studio {
 
   async start(token?: string): Promise<void> {
     const named = new URLSearchParams(location.hash.slice(1));
-    this.isReadOnly = named.has("watch");
     await this.connect(token ?? named.get("token") ?? "");
     if (this.connection !== "connected") {
       return;
@@ -194,9 +194,6 @@ export class Studio {
 
   /** A message of the Language Server Protocol, and the messages that come back. */
   async editorMessage(message: string): Promise<string[]> {
-    if (this.isReadOnly) {
-      return [];
-    }
     return (await this.client.call("editor.message", { message })).messages;
   }
 
@@ -238,10 +235,6 @@ export class Studio {
     if (this.document.files[file] === text) {
       return;
     }
-    if (this.isReadOnly) {
-      this.say("This link only watches. Open the page without it to grow a plant of your own.", true);
-      return;
-    }
     this.document = { ...this.document, files: { ...this.document.files, [file]: text }, gallery: null };
     this.isChanged = true;
     this.changed();
@@ -254,6 +247,9 @@ export class Studio {
   }
 
   private async follow(changes: Partial<Document>): Promise<void> {
+    if (this.isReadOnly) {
+      throw new Error("This link only watches. Open the page without it to grow a plant of your own.");
+    }
     this.document = { ...this.document, ...changes, gallery: null };
     this.isChanged = true;
     this.isNewer = true;
@@ -291,9 +287,9 @@ export class Studio {
     this.changed();
   }
 
-  setEnvironment(text: string): void {
+  setEnvironment(text: string): Promise<void> {
     const trimmed = text.trim();
-    void this.setProcesses(trimmed === "" ? null : /^[[{]/.test(trimmed) ? [JSON.parse(trimmed)].flat() : [{ type: trimmed }]);
+    return this.setProcesses(trimmed === "" ? null : /^[[{]/.test(trimmed) ? [JSON.parse(trimmed)].flat() : [{ type: trimmed }]);
   }
 
   /** The processes of the environment; null: none. The plant grows again among them. */
