@@ -159,35 +159,47 @@ std::size_t BatchRewriter::matchSearched(const BatchRule& rule, std::uint8_t bit
   const std::size_t rowSize = leftCount + production.rightContext.size();
   const std::size_t length = production.predecessor.size();
   const std::uint32_t ownParameters = plan_->blocks()[rule.block].readParameters;
+  const std::uint32_t* const siteModule = siteModule_.data();
+  const std::uint32_t* const siteOffset = siteOffset_.data();
+  const std::uint8_t* const siteBits = siteBits_.data();
   // the modules where the predecessor stands
-  ContextColumns::Lanes lanes{laneSite, laneRow, nullptr, 0};
+  std::size_t count = 0;
   for (const std::uint32_t site : sites) {
-    const std::uint64_t module = first_ + siteModule_[site];
-    if ((siteBits_[site] & bit) != 0 && (length == 1 || standsAt(production, module))) {
-      laneSite[lanes.laneCount] = site;
-      laneRow[lanes.laneCount] = rowsUsed_;
-      contexts_.setStart(lanes.laneCount, module + length, offset_ + siteOffset_[site] + ownParameters);
-      rowsUsed_ += rowSize;
-      ++lanes.laneCount;
-    }
+    const std::uint64_t module = first_ + siteModule[site];
+    laneSite[count] = site;
+    count += (siteBits[site] & bit) != 0 && (length == 1 || standsAt(production, module)) ? 1 : 0;
   }
-  rows_.resize(std::max(rows_.size(), rowsUsed_));
-  lanes.places = rows_.data();
+  contexts_.begin(count, rowSize);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    contexts_.move(i, first_ + siteModule[laneSite[i]] + length, offset_ + siteOffset[laneSite[i]] + ownParameters);
+  }
   // the contexts
-  contexts_.findRight(step_.old, production.rightContext, leftCount, lanes);
-  for (std::size_t lane = 0; leftCount > 0 && lane < lanes.laneCount; ++lane) {
-    contexts_.setStart(lane, first_ + siteModule_[laneSite[lane]], offset_ + siteOffset_[laneSite[lane]]);
+  const std::size_t firstRow = rowsUsed_;
+  rowsUsed_ += count * rowSize;
+  rows_.resize(std::max(rows_.size(), rowsUsed_));
+  contexts_.findRight(step_.old, production.rightContext, leftCount, rows_.data() + firstRow);
+  if (leftCount > 0) {
+    for (const std::uint32_t search : contexts_.found()) {
+      contexts_.move(search, first_ + siteModule[laneSite[search]], offset_ + siteOffset[laneSite[search]]);
+    }
+    contexts_.findLeft(step_.old, production.leftContext, 0, rows_.data() + firstRow);
   }
-  contexts_.findLeft(step_.old, production.leftContext, 0, lanes);
   if (rule.keepsPlaces) {
+    std::uint64_t* const siteRow = siteRow_.data();
     for (const std::uint32_t site : sites) {
-      siteRow_[site] = kNoRow;
+      siteRow[site] = kNoRow;
     }
-    for (std::size_t lane = 0; lane < lanes.laneCount; ++lane) {
-      siteRow_[laneSite[lane]] = laneRow[lane];
+    for (const std::uint32_t search : contexts_.found()) {
+      siteRow[laneSite[search]] = firstRow + search * rowSize;
     }
   }
-  return lanes.laneCount;
+  std::size_t lane = 0;
+  for (const std::uint32_t search : contexts_.found()) {
+    laneSite[lane] = laneSite[search];
+    laneRow[lane] = firstRow + search * rowSize;
+    ++lane;
+  }
+  return lane;
 }
 
 bool BatchRewriter::standsAt(const language::Production& production, std::uint64_t module) const {

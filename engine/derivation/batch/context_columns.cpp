@@ -10,6 +10,7 @@ ContextColumns::ContextColumns(const language::Program& program, const ContextRu
       rules_(&rules),
       areBracketsSeen_(!rules.isRing() && !rules.isIgnored(program.openBranch) &&
                        !rules.isIgnored(program.closeBranch)),
+      found_(laneCount),
       modules_(laneCount),
       offsets_(laneCount),
       branches_(laneCount),
@@ -27,34 +28,34 @@ ContextColumns::ContextColumns(const language::Program& program, const ContextRu
 }
 
 void ContextColumns::findLeft(const ContextString& string, std::span<const ContextElement> context,
-                              std::size_t firstElement, Lanes& lanes) {
-  for (std::size_t i = 0; i < context.size() && lanes.laneCount > 0; ++i) {
+                              std::size_t firstElement, std::uint64_t* places) {
+  for (std::size_t i = 0; i < context.size() && foundCount_ > 0; ++i) {
     if (context[i].kind != ContextElement::Kind::Module) {
-      lanes.laneCount = 0;
+      foundCount_ = 0;
       return;
     }
     const ModuleTypeId sought = context[i].module.type;
-    rules_->isRing() ? findLeftOf<true>(string, sought, firstElement + i, lanes)
-                     : findLeftOf<false>(string, sought, firstElement + i, lanes);
+    rules_->isRing() ? findLeftOf<true>(string, sought, places + firstElement + i)
+                     : findLeftOf<false>(string, sought, places + firstElement + i);
   }
 }
 
 template <bool kIsRing>
-void ContextColumns::findLeftOf(const ContextString& string, ModuleTypeId sought, std::size_t element, Lanes& lanes) {
+void ContextColumns::findLeftOf(const ContextString& string, ModuleTypeId sought, std::uint64_t* places) {
   const ModuleTypeId* const types = string.types;
   const std::uint16_t* const arity = program_->arity.data();
   const std::uint8_t* const traits = rules_->traits();
   const ModuleTypeId openBranch = program_->openBranch;
-  std::uint32_t* const sites = lanes.sites;
-  std::uint64_t* const rows = lanes.rows;
-  std::uint64_t* const places = lanes.places + element;
+  std::uint32_t* const alive = found_.data();
   std::uint64_t* const modules = modules_.data();
   std::uint64_t* const offsets = offsets_.data();
-  const std::uint64_t laneCount = lanes.laneCount;
-  std::uint64_t kept = 0;
-  for (std::uint64_t lane = 0; lane < laneCount; ++lane) {
-    std::uint64_t module = modules[lane];
-    std::uint64_t offset = offsets[lane];
+  const std::size_t rowSize = rowSize_;
+  const std::size_t count = foundCount_;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t search = alive[i];
+    std::uint64_t module = modules[search];
+    std::uint64_t offset = offsets[search];
     ModuleTypeId found = core::kNoModuleType;
     // without a bound, the search would never end in a ring of ignored modules
     [[maybe_unused]] std::uint64_t remaining = string.size + 1;
@@ -94,70 +95,67 @@ void ContextColumns::findLeftOf(const ContextString& string, ModuleTypeId sought
         passed = 0;
       }
     }
-    const std::uint64_t row = rows[lane];
-    places[row] = offset;
-    sites[kept] = sites[lane];
-    rows[kept] = row;
-    modules[kept] = module;
-    offsets[kept] = offset;
+    places[search * rowSize] = offset;
+    modules[search] = module;
+    offsets[search] = offset;
+    alive[kept] = search;
     kept += found == sought ? 1 : 0;
   }
-  lanes.laneCount = kept;
+  foundCount_ = kept;
 }
 
 void ContextColumns::findRight(const ContextString& string, std::span<const ContextElement> context,
-                               std::size_t firstElement, Lanes& lanes) {
+                               std::size_t firstElement, std::uint64_t* places) {
   bool isEntered = false;  // a bracket of the context has entered the branch whose end is sought
-  for (std::size_t i = 0; i < context.size() && lanes.laneCount > 0; ++i) {
+  for (std::size_t i = 0; i < context.size() && foundCount_ > 0; ++i) {
     const ContextElement& element = context[i];
     const bool isBranchEnd = element.kind == ContextElement::Kind::SkipToBranchEnd;
     const bool entersBranch = element.kind == ContextElement::Kind::OpenBranch;
     if (isBranchEnd && isEntered) {
-      moveToBranchEnds(string, lanes.laneCount);
+      moveToBranchEnds(string);
     }
     const Move* const moves = (isBranchEnd ? atBranchEnd_ : entersBranch ? atBranch_ : atModule_).data();
     const ModuleTypeId sought = isBranchEnd ? core::kNoModuleType : element.module.type;
-    rules_->isRing() ? findRightOf<true>(string, moves, sought, firstElement + i, lanes)
-                     : findRightOf<false>(string, moves, sought, firstElement + i, lanes);
+    rules_->isRing() ? findRightOf<true>(string, moves, sought, places + firstElement + i)
+                     : findRightOf<false>(string, moves, sought, places + firstElement + i);
     if (!isBranchEnd && (sought == program_->openBranch || sought == program_->closeBranch)) {
       isEntered = entersBranch && areBracketsSeen_;
     }
   }
 }
 
-void ContextColumns::moveToBranchEnds(const ContextString& string, std::size_t laneCount) {
-  for (std::size_t lane = 0; lane < laneCount; ++lane) {
-    const StringIndex::Link link = string.index->link(branches_[lane]);
+void ContextColumns::moveToBranchEnds(const ContextString& string) {
+  for (const std::uint32_t search : found()) {
+    const StringIndex::Link link = string.index->link(branches_[search]);
     if (link.partner != StringIndex::kNone) {
-      modules_[lane] = link.partner;
-      offsets_[lane] = insides_[lane] + link.parameterCount;
+      move(search, link.partner, insides_[search] + link.parameterCount);
     }
   }
 }
 
 template <bool kIsRing>
 void ContextColumns::findRightOf(const ContextString& string, const Move* moves, ModuleTypeId sought,
-                                 std::size_t element, Lanes& lanes) {
+                                 std::uint64_t* places) {
   const ModuleTypeId* const types = string.types;
   const std::uint16_t* const arity = program_->arity.data();
   const bool isAnyStopRight = sought == core::kNoModuleType;
   const bool isOpen = sought == program_->openBranch;
   // the end of a branch is reached, not passed
   const std::uint64_t step = isAnyStopRight ? 0 : 1;
+  const std::uint64_t behind = isAnyStopRight ? 0 : arity[sought];
   const std::uint64_t size = string.size;
-  std::uint32_t* const sites = lanes.sites;
-  std::uint64_t* const rows = lanes.rows;
-  std::uint64_t* const places = lanes.places + element;
+  std::uint32_t* const alive = found_.data();
   std::uint64_t* const modules = modules_.data();
   std::uint64_t* const offsets = offsets_.data();
   std::uint64_t* const branches = branches_.data();
   std::uint64_t* const insides = insides_.data();
-  const std::uint64_t behind = isAnyStopRight ? 0 : arity[sought];
-  const std::uint64_t laneCount = lanes.laneCount;
-  std::uint64_t kept = 0;
-  for (std::uint64_t lane = 0; lane < laneCount; ++lane) {
-    std::uint64_t module = modules[lane];
-    std::uint64_t offset = offsets[lane];
+  const std::size_t rowSize = rowSize_;
+  const std::size_t count = foundCount_;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t search = alive[i];
+    std::uint64_t module = modules[search];
+    std::uint64_t offset = offsets[search];
     bool isFound = false;
     [[maybe_unused]] std::uint64_t remaining = size + 1;
     while (true) {
@@ -189,17 +187,17 @@ void ContextColumns::findRightOf(const ContextString& string, const Move* moves,
       module = link.partner + 1;
       offset += link.parameterCount;
     }
-    const std::uint64_t row = rows[lane];
-    places[row] = offset;
-    sites[kept] = sites[lane];
-    rows[kept] = row;
-    modules[kept] = module + step;
-    offsets[kept] = offset + behind;
-    branches[kept] = isOpen ? module : branches[lane];
-    insides[kept] = isOpen ? offset + behind : insides[lane];
+    places[search * rowSize] = offset;
+    modules[search] = module + step;
+    offsets[search] = offset + behind;
+    if (isOpen) {
+      branches[search] = module;
+      insides[search] = offset + behind;
+    }
+    alive[kept] = search;
     kept += isFound ? 1 : 0;
   }
-  lanes.laneCount = kept;
+  foundCount_ = kept;
 }
 
 }  // namespace espalier::derivation

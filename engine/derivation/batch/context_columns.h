@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -16,27 +17,29 @@ namespace espalier::derivation {
 /// an element is asked once, and the searches of neighbouring modules run into each other in the processor.
 class ContextColumns {
  public:
-  /// The searches of a batch, one in each lane.
-  struct Lanes {
-    std::uint32_t* sites;     // (lanes) names of the modules, which the caller gives
-    std::uint64_t* rows;      // (lanes) where the lane's entries of `places` begin
-    std::uint64_t* places;    // gets the offset of the parameters of each element's module
-    std::uint64_t laneCount;  // searches that have not failed: each search moves them to the front
-  };
-
-  /// `program` and `rules` must outlive the object. At most `laneCount` lanes.
+  /// `program` and `rules` must outlive the object. At most `laneCount` searches at once.
   ContextColumns(const language::Program& program, const ContextRules& rules, std::size_t laneCount);
 
-  /// Where the search of a lane begins: behind the predecessor, or at it.
-  void setStart(std::size_t lane, std::uint64_t module, std::uint64_t offset) {
-    modules_[lane] = module;
-    offsets_[lane] = offset;
+  /// Begins `count` searches; move() says where each starts. Each gets `rowSize` entries of `places`, one for each
+  /// element of both contexts: where the parameters of the element's module begin.
+  void begin(std::size_t count, std::size_t rowSize) {
+    rowSize_ = rowSize;
+    foundCount_ = count;
+    std::iota(found_.begin(), found_.begin() + count, 0U);
   }
-  /// The contexts of all lanes, from their starts on. Entries of `places` begin at element `firstElement` of a row.
+  /// The numbers of the searches that have not failed so far, in their order.
+  [[nodiscard]] std::span<const std::uint32_t> found() const { return {found_.data(), foundCount_}; }
+  /// A search goes on from a module, whose parameters begin at `offset`. A search to the left looks before it.
+  void move(std::uint32_t search, std::uint64_t module, std::uint64_t offset) {
+    modules_[search] = module;
+    offsets_[search] = offset;
+  }
+
+  /// Searches a context from where the searches stand. Its entries begin at element `firstElement` of each row.
   void findLeft(const ContextString& string, std::span<const language::ContextElement> context,
-                std::size_t firstElement, Lanes& lanes);
+                std::size_t firstElement, std::uint64_t* places);
   void findRight(const ContextString& string, std::span<const language::ContextElement> context,
-                 std::size_t firstElement, Lanes& lanes);
+                 std::size_t firstElement, std::uint64_t* places);
 
  private:
   /// What a search to the right does at a module.
@@ -47,22 +50,24 @@ class ContextColumns {
   };
 
   template <bool kIsRing>
-  void findLeftOf(const ContextString& string, core::ModuleTypeId sought, std::size_t element, Lanes& lanes);
+  void findLeftOf(const ContextString& string, core::ModuleTypeId sought, std::uint64_t* places);
   template <bool kIsRing>
-  void findRightOf(const ContextString& string, const Move* moves, core::ModuleTypeId sought, std::size_t element,
-                   Lanes& lanes);
-  void moveToBranchEnds(const ContextString& string, std::size_t laneCount);
+  void findRightOf(const ContextString& string, const Move* moves, core::ModuleTypeId sought, std::uint64_t* places);
+  void moveToBranchEnds(const ContextString& string);
 
   const language::Program* program_;
   const ContextRules* rules_;
-  bool areBracketsSeen_;             // brackets alone decide where a branch ends
-  std::vector<Move> atModule_;       // by module type: the search for a module or a `]`
-  std::vector<Move> atBranch_;       // for a `[`
-  std::vector<Move> atBranchEnd_;    // for the end of the branch
-  Scratch<std::uint64_t> modules_;   // by lane: the module where the search goes on
-  Scratch<std::uint64_t> offsets_;   // by lane: its parameters
-  Scratch<std::uint64_t> branches_;  // by lane: the `[` that the context has entered last
-  Scratch<std::uint64_t> insides_;   // by lane: the parameters behind it
+  bool areBracketsSeen_;           // brackets alone decide where a branch ends
+  std::vector<Move> atModule_;     // by module type: the search for a module or a `]`
+  std::vector<Move> atBranch_;     // for a `[`
+  std::vector<Move> atBranchEnd_;  // for the end of the branch
+  std::size_t rowSize_ = 0;
+  std::size_t foundCount_ = 0;       // that have not failed
+  Scratch<std::uint32_t> found_;     // these
+  Scratch<std::uint64_t> modules_;   // by search: the module where it goes on
+  Scratch<std::uint64_t> offsets_;   // by search: its parameters
+  Scratch<std::uint64_t> branches_;  // by search: the `[` that the context has entered last
+  Scratch<std::uint64_t> insides_;   // by search: the parameters behind it
 };
 
 }  // namespace espalier::derivation
