@@ -27,7 +27,7 @@ PlainScan::PlainScan(ScanContext& context, ModuleRewriter& rewriter)
       values_(context.tables.front().plan.values()),
       successors_(context.tables.front().plan.types()),
       storesFloats_(context.rewriter.storesFloats()),
-      frame_(context.program.maximumSlots + std::size_t{1}, 0.0) {
+      frame_(context.program.maximumSlots + kCopiedAtOnce, 0.0) {
   const std::vector<std::uint16_t>& arity = context.program.arity;
   hasParameters_ = std::any_of(arity.begin(), arity.end(), [](std::uint16_t count) { return count > 0; });
   const ProductionPlan& plan = context.tables.front().plan;
@@ -178,7 +178,11 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
     }
 
     // productions that only a condition and a weight decide between
-    std::copy_n(parameters + offset, plan.arity, frame_.data());
+    if (plan.arity <= kCopiedAtOnce && offset + kCopiedAtOnce <= parameterCount) [[likely]] {
+      std::memcpy(frame_.data(), parameters + offset, kCopiedAtOnce * sizeof(double));
+    } else {
+      std::copy_n(parameters + offset, plan.arity, frame_.data());
+    }
     const QuickRule* const rule = chooseRule(plan, types[module], module, draw);
     if (rule != nullptr) {
       writeSuccessor(*rule, module, target);
