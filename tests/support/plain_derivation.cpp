@@ -116,14 +116,28 @@ double PlainDerivation::run(language::CodeRange code, const Frame& frame, double
       }
       case Operation::Call: {
         const std::vector<double> arguments = popAll(instruction.count);
-        if (static_cast<language::Function>(instruction.operand) == language::Function::Ran) {
-          stack.push_back(arguments[0] * core::CounterRandom(seed_, 0).uniform(core::DrawDomain::Production,
-                                                                               static_cast<std::uint32_t>(step),
-                                                                               draws.module, draws.count++));
+        const auto function = static_cast<language::Function>(instruction.operand);
+        const auto uniform = [&] {
+          return core::CounterRandom(seed_, 0).uniform(core::DrawDomain::Production, static_cast<std::uint32_t>(step),
+                                                       draws.module, draws.count++);
+        };
+        if (function == language::Function::Ran) {
+          stack.push_back(arguments[0] * uniform());
           break;
         }
-        stack.push_back(
-            language::callPure(static_cast<language::Function>(instruction.operand), arguments, dividedByZero));
+        if (function == language::Function::Nran) {
+          // a point inside the unit circle
+          double x = 0.0;
+          double y = 0.0;
+          do {
+            x = 2.0 * uniform() - 1.0;
+            y = 2.0 * uniform() - 1.0;
+          } while (x * x + y * y >= 1.0 || x * x + y * y == 0.0);
+          const double square = x * x + y * y;
+          stack.push_back(arguments[0] + arguments[1] * y * std::sqrt(-2.0 * core::log(square) / square));
+          break;
+        }
+        stack.push_back(language::callPure(function, arguments, dividedByZero));
         break;
       }
       case Operation::Jump:

@@ -264,7 +264,7 @@ bool BatchPlan::compile(const language::Program& program, const language::LSyste
     if (!take(columns.value(expression), rule.values.emplace_back())) {
       return false;
     }
-    rule.drawsRandom = rule.drawsRandom || rule.values.back().drawCount > 0;
+    rule.drawsRandom = rule.drawsRandom || rule.values.back().drawsRandom;
     addReads(rule.values.back(), rule.statics.size(), isRead);
   }
   for (std::uint32_t local = 0; local < rule.statics.size(); ++local) {

@@ -52,7 +52,7 @@ struct BatchRule {
   std::uint32_t block = 0;          // in BatchPlan::blocks
   bool changesParts = false;        // the block is one module of the same size, but of another type
   bool needsLanes = false;          // it has values or a block behind the condition, or changes parts
-  bool drawsRandom = false;         // a value calls ran
+  bool drawsRandom = false;         // a value draws
   bool hasBefore = false;           // `before` does something
   bool hasBehind = false;           // `behind` does something
   bool keepsPlaces = false;         // Searched: a later rule of the group has the same contexts

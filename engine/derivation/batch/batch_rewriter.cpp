@@ -355,7 +355,8 @@ void BatchRewriter::setLanes(const BatchRule& rule, std::size_t begin, std::size
     }
   }
   evaluator_.setLanes({count, rule.slots.data(), step_.old.parameters + offset_, step_.old.parameters, rows_.data(),
-                       own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin, modules_.data()});
+                       own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin,
+                       rule.drawsRandom ? modules_.data() : nullptr});
 }
 
 std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t count) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "engine/derivation/expressions/array_element.h"
+#include "engine/derivation/expressions/distributions.h"
 #include "engine/derivation/expressions/view_functions.h"
 #include "engine/language/arithmetic.h"
 
@@ -55,6 +56,7 @@ ColumnEvaluator::ColumnEvaluator(const language::Program& program, std::size_t s
       columns_((columnCount + 1) * kLanes),
       active_(kLanes),
       taken_(kLanes),
+      drawCounts_(kLanes),
       powers_(std::size_t{1} << kPowerBits, Power{0, 0, elementary_.pow(0.0, 0.0)}) {}
 
 void ColumnEvaluator::begin(const ColumnInputs& inputs) {
@@ -65,6 +67,7 @@ void ColumnEvaluator::begin(const ColumnInputs& inputs) {
 void ColumnEvaluator::setLanes(const Lanes& lanes) {
   lanes_ = lanes;
   ++generation_;
+  std::fill_n(drawCounts_.begin(), lanes.modules == nullptr ? 0 : lanes.count, 0U);
 }
 
 const double* ColumnEvaluator::slot(std::uint32_t index) {
@@ -352,6 +355,24 @@ double ColumnEvaluator::element(const ColumnInstruction& instruction, std::span<
       .elements[arrayElement(variable, subscripts, [&](std::size_t) { noteWarning(instruction.instruction); })];
 }
 
+double ColumnEvaluator::draw(Function function, std::span<const double> arguments, std::size_t lane) {
+  // each module counts its draws, so jumps and rejected draws of other lanes change nothing
+  const auto uniform = [&] {
+    return inputs_.draws.uniform(core::DrawDomain::Production, static_cast<std::uint32_t>(inputs_.step),
+                                 lanes_.modules[lane], drawCounts_[lane]++);
+  };
+  switch (function) {
+    case Function::Nran: {
+      const NormalPair pair = drawNormalPair(uniform, elementary_);
+      return arguments[0] + arguments[1] * pair.second * pair.factor;
+    }
+    case Function::Bran:
+      return drawBeta(uniform, elementary_, arguments[0], arguments[1]);
+    default:
+      return arguments[0] * uniform();
+  }
+}
+
 void ColumnEvaluator::runOneByOne(const ColumnInstruction& instruction, double* target, const ColumnValue& a,
                                   const ColumnValue& b) {
   const auto function = static_cast<Function>(instruction.function);
@@ -369,10 +390,8 @@ void ColumnEvaluator::runOneByOne(const ColumnInstruction& instruction, double* 
       target[i] = element(instruction, arguments);
     } else if (instruction.operation != Operation::Call) {
       target[i] = language::applyBinary(instruction.operation, numbers[0], numbers[1], dividesByZero, elementary_);
-    } else if (function == Function::Ran) {
-      target[i] =
-          numbers[0] * inputs_.draws.uniform(core::DrawDomain::Production, static_cast<std::uint32_t>(inputs_.step),
-                                             lanes_.modules[i], instruction.draw);
+    } else if (language::drawsRandom(function)) {
+      target[i] = draw(function, arguments, i);
     } else if (isViewFunction(function)) {
       const std::optional<double> value = viewValue(program_->view, function, arguments);
       if (!value) {

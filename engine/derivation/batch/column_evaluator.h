@@ -35,7 +35,7 @@ struct Lanes {
   const std::uint32_t* own = nullptr;      // (count) offset of the module's parameters
   const std::uint64_t* left = nullptr;     // (count) offset of the left neighbour's parameters, or of the row
   const std::uint64_t* right = nullptr;    // (count)
-  const std::uint64_t* modules = nullptr;  // (count) positions in the string; for expressions that draw
+  const std::uint64_t* modules = nullptr;  // (count) positions in the string; null: nothing draws
 };
 
 /// One value for each lane, or the same for all.
@@ -51,7 +51,7 @@ struct ColumnInputs {
   const std::uint8_t* hasWarned = nullptr;  // by instruction: not 0 where the place has warned already
   const double* variables = nullptr;        // of the main L-system (LSystem::variables)
   const double* elements = nullptr;         // its array elements
-  core::CounterRandom draws;                // of ran
+  core::CounterRandom draws;                // of ran, nran and bran
 };
 
 /// Runs expressions and blocks for many modules at once, operation by operation, with the same bits as the Evaluator.
@@ -101,6 +101,7 @@ class ColumnEvaluator {
   void move(const ColumnInstruction& instruction, double* target, const ColumnValue& from);
   [[nodiscard]] double power(double x, double y);
   void raise(double* target, const ColumnValue& a, const ColumnValue& b);
+  [[nodiscard]] double draw(language::Function function, std::span<const double> arguments, std::size_t lane);
   [[nodiscard]] double element(const ColumnInstruction& instruction, std::span<const double> subscripts);
   void noteWarning(std::uint32_t instruction) { isUnusual_ = isUnusual_ || inputs_.hasWarned[instruction] == 0; }
   [[nodiscard]] bool isActive(std::size_t lane) const { return mask_ == nullptr || mask_[lane] != 0; }
@@ -123,6 +124,8 @@ class ColumnEvaluator {
   std::vector<Mask> taken_;              // (kLanes) lanes that jump
   std::vector<Mask> stored_;             // by local variable: lanes that have assigned it, kLanes each
   std::uint32_t turns_ = 0;              // of loops
+
+  std::vector<std::uint32_t> drawCounts_;  // by lane: draws since setLanes (kLanes)
 
   std::vector<Power> powers_;  // computed last, by a hash of base and exponent (1 << kPowerBits)
 };

@@ -23,8 +23,11 @@ bool isJump(Operation operation) {
          operation == Operation::JumpIfOrSkips;
 }
 
-bool isRan(const Instruction& instruction) {
-  return instruction.operation == Operation::Call && static_cast<Function>(instruction.operand) == Function::Ran;
+/// Whether it draws, and never fails. biran has a limit.
+bool isDraw(const Instruction& instruction) {
+  const auto function = static_cast<Function>(instruction.operand);
+  return instruction.operation == Operation::Call &&
+         (function == Function::Ran || function == Function::Nran || function == Function::Bran);
 }
 
 /// Whether every call gives the same for the same arguments, and a column can hold the result.
@@ -247,11 +250,9 @@ bool ColumnCompiler::Translation::translate(std::uint32_t at) {
       stack_.pop_back();
       return true;
     case Operation::Call:
-      if (isRan(instruction) && mayDraw_) {
-        return hasJumps() ? fail("the number of its draws depends on its parameters") : operate(instruction, at);
-      }
-      return isPureCall(instruction) ? operate(instruction, at)
-                                     : fail("it calls a function that draws or has an effect");
+      return isPureCall(instruction) || (isDraw(instruction) && mayDraw_)
+                 ? operate(instruction, at)
+                 : fail("it calls a function that draws or has an effect");
     case Operation::LoadElement:
       return instruction.count <= 4 ? operate(instruction, at) : fail("an array has more than four subscripts");
     case Operation::Print:
@@ -327,10 +328,7 @@ bool ColumnCompiler::Translation::operate(const Instruction& instruction, std::u
   if (made.count > made.operands.size() || made.count > stack_.size()) {
     return fail("a function has too many arguments");
   }
-  if (isRan(instruction)) {
-    made.draw = compiler_.drawCount_ + made_.drawCount;
-    ++made_.drawCount;
-  }
+  made_.drawsRandom = made_.drawsRandom || isDraw(instruction);
   std::copy(stack_.end() - made.count, stack_.end(), made.operands.begin());
   stack_.resize(stack_.size() - made.count);
   made.target = temporary(stack_.size(), made.operands[0]);
@@ -372,9 +370,7 @@ std::optional<ColumnCode> ColumnCompiler::translate(CodeRange code, bool mayDraw
   if (!translation.run()) {
     return std::nullopt;
   }
-  ColumnCode made = translation.take();
-  drawCount_ += made.drawCount;
-  return made;
+  return translation.take();
 }
 
 std::optional<ColumnCode> ColumnCompiler::block(CodeRange code) {

@@ -33,7 +33,6 @@ struct ColumnInstruction {
   bool isStore = false;           // StoreStatic behind or before a jump, to a local variable
   std::uint32_t target = 0;       // column that is made
   std::uint32_t instruction = 0;  // in Program::code, for warnings
-  std::uint32_t draw = 0;         // ran: number of the draw in its module
   std::array<ColumnOperand, 4> operands;
 };
 
@@ -53,7 +52,7 @@ struct ColumnCode {
   std::vector<ColumnStretch> stretches;  // empty: the code has no jump
   ColumnOperand result;                  // of an expression
   std::uint32_t columnCount = 0;         // columns that the code uses, with all local variables
-  std::uint32_t drawCount = 0;           // calls of ran
+  bool drawsRandom = false;              // it calls ran, nran or bran
   std::vector<std::uint32_t> stores;     // local variables that a run may assign, each once
 };
 
@@ -74,8 +73,8 @@ class ColumnCompiler {
   /// parameters, constants, Q, Z, variables, arrays and functions of the view file. It may assign local variables.
   [[nodiscard]] std::optional<ColumnCode> block(language::CodeRange code);
   [[nodiscard]] std::optional<ColumnCode> expression(const language::Expression& expression);
-  /// The same for a parameter of the successor. It may also call ran where every evaluation reaches the call.
-  /// Espalier's own mode names a draw by its module and its number, so the order of rewriting does not matter.
+  /// The same for a parameter of the successor. It may also call ran, nran and bran. Espalier's own mode names a draw
+  /// by its module and its number, so the order of rewriting does not matter.
   [[nodiscard]] std::optional<ColumnCode> value(const language::Expression& expression);
 
   /// The reason of the last failure, as the end of a sentence.
@@ -88,8 +87,7 @@ class ColumnCompiler {
 
   const language::Program* program_;
   std::vector<std::uint32_t> locals_;
-  std::vector<bool> assigned_;   // by local variable
-  std::uint32_t drawCount_ = 0;  // of the pieces so far
+  std::vector<bool> assigned_;  // by local variable
   const char* problem_ = "";
 };
 

@@ -1,14 +1,12 @@
 #include "engine/derivation/expressions/random_source.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "engine/derivation/expressions/distributions.h"
+
 namespace espalier::derivation {
 namespace {
-
-// a rejection method gives up after so many draws, because some arguments never end it
-constexpr int kMaximumTries = 100'000;
 
 /// The integer part as 64 bits, negative numbers in two's complement; 0 when the number has no 64-bit integer part.
 std::uint64_t integerSeed(double value) {
@@ -47,47 +45,16 @@ double RandomSource::normal(double mean, double deviation) {
     state_->normalCacheFlag = 0.0;
     return mean + deviation * state_->normalCache;
   }
-  // a point in the unit disc
-  double v1 = 0.0;
-  double v2 = 0.0;
-  double square = 0.0;
-  do {
-    v1 = 2.0 * uniform() - 1.0;
-    v2 = 2.0 * uniform() - 1.0;
-    square = v1 * v1 + v2 * v2;
-  } while (square >= 1.0 || square == 0.0);
-  const double factor = std::sqrt(-2.0 * elementary_.log(square) / square);
+  const NormalPair pair = drawNormalPair([this] { return uniform(); }, elementary_);
   if (isSequential_) {
-    state_->normalCache = v1 * factor;
+    state_->normalCache = pair.first * pair.factor;
     state_->normalCacheFlag = 1.0;
   }
-  return mean + deviation * v2 * factor;
+  return mean + deviation * pair.second * pair.factor;
 }
 
 double RandomSource::beta(double a, double b) {
-  const double sum = a + b;
-  const double smaller = std::min(a, b);
-  const double lambda = smaller <= 1.0 ? smaller : std::sqrt((2.0 * a * b - sum) / (sum - 2.0));
-  const double u = a + lambda;
-  double result = 0.0;
-  for (int i = 0; i < kMaximumTries; ++i) {
-    double u1 = uniform();
-    for (int j = 0; u1 == 0.0 && j < kMaximumTries; ++j) {
-      u1 = uniform();
-    }
-    double u2 = uniform();
-    for (int j = 0; u2 == 0.0 && j < kMaximumTries; ++j) {
-      u2 = uniform();
-    }
-    const double v = elementary_.log(u1 / (1.0 - u1)) / lambda;
-    const double y = a * elementary_.exp(v);
-    // for a very large y the quotient is 1
-    result = std::isinf(y) ? 1.0 : y / (b + y);
-    if (!(sum * elementary_.log(sum / (b + y)) + u * v - elementary_.log(4.0) < elementary_.log(u1 * u1 * u2))) {
-      break;
-    }
-  }
-  return result;
+  return drawBeta([this] { return uniform(); }, elementary_, a, b);
 }
 
 double RandomSource::binomial(double count, double probability) {

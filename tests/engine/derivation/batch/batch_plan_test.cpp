@@ -38,6 +38,7 @@ TEST(BatchPlan, PureProductionsOfOneModuleMakeGroups) {
   EXPECT_EQ(Planned("", "A < B(x) > C(y) : x>y && sqrt(x)<2 --> B(x+1)\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("", "B(x) --> B(x != 0 && 1/x > 2 ? x : 3)\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("", "B(x) --> B(ran(x))C(1-ran(2))\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("", "B(x) --> B(x>1 ? nran(x,1) : 0)C(bran(1,x))\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("Seed: 1\n", "A --> x : 1\nA --> y : 2\n").classOf("A", 0), BatchPlan::Class::Group);
 }
 
@@ -63,10 +64,8 @@ TEST(BatchPlan, WhatHasSideEffectsOrReachesFurtherIsGeneral) {
   EXPECT_EQ(Planned("Start: {n=0;}\n", "B(x) : {n=n+x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
   // where another predecessor wins, its block must not run
   EXPECT_EQ(Planned("", "AB(x) --> A\nB(x) : {n=x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
-  // how many draws a module makes must not depend on its parameters
-  EXPECT_EQ(Planned("", "B(x) --> B(x>1 ? ran(x) : 0)\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "B(x) : ran(x)>1 --> B(2)\n").classOf("B", 1), BatchPlan::Class::General);
-  EXPECT_EQ(Planned("", "B(x) --> B(nran(x,1))\n").classOf("B", 1), BatchPlan::Class::General);
+  EXPECT_EQ(Planned("", "B(x) --> B(biran(x,0.5))\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "A << B(x) --> A\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nB(x) : {n=x;} 1 --> A\n").classOf("A", 0),
             BatchPlan::Class::General);

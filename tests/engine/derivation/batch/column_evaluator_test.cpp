@@ -162,14 +162,15 @@ std::string problemOf(const std::string& production) {
 TEST(ColumnCompiler, TakesCodeThatDependsOnTheModuleAlone) {
   EXPECT_EQ(problemOf("A(x) --> A(sqrt(x)+1)\n"), "");
   EXPECT_EQ(problemOf("A(x) --> A(func(1,x)+ran(x))\n"), "");
+  EXPECT_EQ(problemOf("A(x) --> A(x>1 ? nran(x,ran(2)) : bran(x,1))\n"), "");
   EXPECT_EQ(problemOf("A(x) : {u=x; if (u>1) {u=u-1;}} 1 {v=u*u;} --> A(u+v)\n"), "");
   EXPECT_EQ(problemOf("A(x) : {u=0; while (u<x) {u=u+1;}} 1 --> A(u)\n"), "");
   EXPECT_EQ(problemOf("A(x) : {if (x>1) {u=1;} else {u=2;}} 1 --> A(u)\n"), "");
 }
 
 TEST(ColumnCompiler, NamesWhatDependsOnOtherModules) {
-  EXPECT_EQ(problemOf("A(x) --> A(nran(x,1))\n"), "it calls a function that draws or has an effect");
-  EXPECT_EQ(problemOf("A(x) --> A(x>1 ? ran(1) : 2)\n"), "the number of its draws depends on its parameters");
+  EXPECT_EQ(problemOf("A(x) --> A(biran(x,0.5))\n"), "it calls a function that draws or has an effect");
+  EXPECT_EQ(problemOf("A(x) : {u=ran(x);} 1 --> A(u)\n"), "it calls a function that draws or has an effect");
   EXPECT_EQ(problemOf("A(x) : {u=u+1;} 1 --> A(u)\n"),
             "it reads a local variable that the module before may have left");
   EXPECT_EQ(problemOf("A(x) : {if (x>1) {u=1;}} 1 --> A(u)\n"),

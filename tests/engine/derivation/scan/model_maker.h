@@ -209,7 +209,9 @@ class ModelMaker {
       case 1:
         return "ran(" + text + ")";
       case 2:
-        return chance(20) && !names.empty() ? oneOf(names) + ">1 ? ran(1) : 2" : text;
+        return chance(50) && !names.empty() ? oneOf(names) + ">1 ? ran(1) : nran(" + text + ",0.5)" : text;
+      case 3:
+        return "nran(" + text + ",0.1)*ran(1)";
       default:
         return text;
     }
