@@ -585,14 +585,7 @@ void addUsedNames(const TextPiece& statement, std::set<std::string>& names) {
   const std::string_view text = production.text;
   const auto arrow = arrowOf(text);
   const std::size_t arrowAt = arrow ? arrow->first : 0;
-  std::size_t condition = arrowAt;
-  for (std::size_t at = 0, depth = 0; at < arrowAt; ++at) {
-    depth = text[at] == '(' ? depth + 1 : text[at] == ')' && depth > 0 ? depth - 1 : depth;
-    if (depth == 0 && (text[at] == ':' || text[at] == ';')) {
-      condition = at;
-      break;
-    }
-  }
+  const std::size_t condition = std::min(arrowAt, conditionMark(text.substr(0, arrowAt)));
   const std::size_t probability = arrow ? text.rfind(':') : std::string_view::npos;
   std::set<std::string> formals;
   int depth = 0;

@@ -60,6 +60,10 @@ bool isProbability(std::string_view number) {
   return isPart && textbookNumber(number).has_value();
 }
 
+std::string_view trimmedText(std::string_view text) {
+  return TextPiece{text, 0}.trimmed().text;
+}
+
 // a number behind an operator belongs to the condition
 bool endsOperand(std::string_view text) {
   return !text.empty() && (isLatinLetter(text.back()) || std::isdigit(static_cast<unsigned char>(text.back())) != 0 ||
@@ -118,7 +122,11 @@ std::size_t conditionMark(std::string_view left) {
   int depth = 0;
   for (std::size_t at = 0; at < left.size(); ++at) {
     depth += left[at] == '(' ? 1 : left[at] == ')' ? -1 : 0;
-    if (depth == 0 && (left[at] == ':' || left[at] == ';')) {
+    // a comma behind parameters and before a comparison, `A(x), x < 3`, or before a number, `A, 0.3`
+    const std::string_view rest = left.substr(at + 1);
+    const bool isCompared = at > 0 && left[at - 1] == ')' && rest.find_first_of("<>=") != std::string_view::npos;
+    const bool isComma = left[at] == ',' && at > 0 && (isCompared || isProbability(trimmedText(rest)));
+    if (depth == 0 && (left[at] == ':' || left[at] == ';' || isComma)) {
       return at;
     }
   }

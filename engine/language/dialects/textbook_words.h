@@ -24,7 +24,7 @@ namespace espalier::language {
 /// Words with blanks between them: a title or a remark.
 [[nodiscard]] bool isProse(std::string_view text);
 
-/// The place of the colon or semicolon before the condition in the left side of a production; npos: it has none.
+/// The place of the colon, semicolon or comma before the condition in the left side of a production; npos: it has none.
 [[nodiscard]] std::size_t conditionMark(std::string_view left);
 
 /// Takes the probability off the left side of a production: `F .5`, `F (0.5)`, `F : 0.5`, and `F -(0.5)` or `F -0.5`

@@ -40,6 +40,8 @@ TEST(Textbook, ProbabilitiesStandInMostPlacesOfAProduction) {
   EXPECT_EQ(both("A : 0.4 → F[+A]A", "A : 0.6 → FA"), plain);
   EXPECT_TRUE(contains(cpfgText("ω: A(1)\nA(l) : l>1 (0.4) → F(l)\nA(l) (60%) → A(l)\n"),
                        "A(l) : l>1 --> F(l) : 0.4\nA(l) --> A(l) : 0.6\n"));
+  EXPECT_EQ(both("A, 0.4 → F[+A]A", "A, 0.6 → FA"), plain);
+  EXPECT_TRUE(contains(cpfgText("R = 3\nω: A(1)\nA(l), l<R → F(l)\n"), "A(l) : l<3 --> F(l)\n"));
   // a condition that ends with a number has no probability
   EXPECT_TRUE(contains(cpfgText("ω: A(1)\nA(l) : l>(0.5) → F(l)\nA(l) : l>-0.5 → F\nA(l) : 1 → F\n"),
                        "A(l) : l>(0.5) --> F(l)\nA(l) : l>-0.5 --> F\nA(l) : 1 --> F\n"));
