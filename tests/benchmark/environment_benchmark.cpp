@@ -174,6 +174,10 @@ const std::vector<Candidate>& candidates() {
       {"gravity", "", directions},
       {"height", "", few},
       {"honda", R"({"radius":0.5,"threeDimensional":true})", few},
+      {"insects", R"({"count":1000,"reach":2})",
+       [](std::size_t) {
+         return std::vector<double>{1.0, 0.0};
+       }},
       {"light-voxels", R"({"gridSize":[50,50,50],"voxelSize":2,"position":[0,0,0]})", few},
       {"meadow", R"({"gridSize":[500,500],"range":[100,100],"position":[0,0],"lightMap":[[0,255],[100,30]]})",
        [](std::size_t i) { return std::vector<double>(i % 4 == 0 ? 1 : 6, 0.5); }},

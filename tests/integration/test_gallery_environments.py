@@ -437,6 +437,20 @@ class GalleryEnvironments(unittest.TestCase):
             self.assertLess(abs(float(place)), 2.4)  # all started further from the stalk
             self.assertGreater(float(eaten), 0.1)
 
+    def test_a_shrub_branches_where_insects_browse_it(self) -> None:
+        self.check_table("browsed-shrub", "FLB")
+        # insects sit on leaves of the plant, each on one of them
+        sitting = re.findall(r"\?E\(([^,]*),([^)]*)\)L\(([^,]*),", answered("browsed-shrub"))
+        self.assertTrue(0 < sum(float(number) for _, number, _ in sitting) <= 12)
+        for eaten, number, area in sitting:
+            self.assertLessEqual(float(eaten), min(float(area), 0.12 * float(number)) + 1e-9)
+        # without appetite no leaf falls, and the shrub keeps its one stem
+        with tempfile.TemporaryDirectory() as folder:
+            fasting = Path(folder) / "fasting.json"
+            fasting.write_text(json.dumps({"type": "insects", "count": 12, "appetite": 0}), encoding="utf-8")
+            string = espalier("derive", model("browsed-shrub"), "--environment", str(fasting), "--quiet").stdout
+        self.assertEqual((string.count("F("), string.count("L("), string.count("B(")), (11, 11, 0))
+
     def test_trees_that_keep_accounts_shed_what_costs_more_than_it_earns(self) -> None:
         folder = GALLERY / "trees-by-account"
         derived: Dict[Tuple[int, int], str] = {}

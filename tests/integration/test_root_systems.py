@@ -61,6 +61,20 @@ class RootSystems(unittest.TestCase):
         self.assertGreater(traits["magnitude", ""], 2)
         self.assertGreater(traits["length", ""], 0)
 
+    def test_leaves_of_a_model_have_area_index_and_angles(self) -> None:
+        # on a stalk of 3 a level and an upright square of side 1
+        leaves = self.folder / "leaves.l"
+        leaves.write_text("Lsystem: 1\nderivation length: 1\nAxiom: F(3)[/(90)&(90){.f(1).+(90)f(1).+(90)f(1).}]"
+                          "[{.f(1).+(90)f(1).+(90)f(1).}]\nendlsystem\n", encoding="utf-8")
+        traits = self.traits(str(leaves), "--ground", "4")
+        self.assertEqual(traits["leaf_number", ""], 2)
+        self.assertAlmostEqual(traits["leaf_area_index", ""], 0.5, 9)
+        self.assertAlmostEqual(traits["leaf_inclination", ""], 45, 5)
+        self.assertAlmostEqual(traits["leaf_angle", "5"], 0.5, 9)
+        self.assertAlmostEqual(traits["leaf_angle", "85"], 0.5, 9)
+        self.assertAlmostEqual(traits["crown_base", ""], 3, 9)
+        self.assertAlmostEqual(traits["crown_top", ""], 4, 9)
+
     def test_wrong_files_are_named_with_their_line(self) -> None:
         self.table.write_text(TABLE.replace("6\t2", "6\t6"), encoding="utf-8")
         for command in (("traits", str(self.table)), ("derive", str(self.table))):

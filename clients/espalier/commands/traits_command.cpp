@@ -14,6 +14,7 @@
 #include "clients/espalier/result.h"
 #include "clients/espalier/roots/root_system.h"
 #include "clients/espalier/roots/root_traits.h"
+#include "clients/espalier/roots/shoot_traits.h"
 #include "server/remote/disk_files.h"
 #include "server/remote/models/folder_settings.h"
 
@@ -23,6 +24,9 @@ namespace {
 struct TraitsOptions {
   ModelOptions model;
   std::string up = "y";
+  double ground = 0.0;  // its area; 0: that of the crown
+
+  [[nodiscard]] int upAxis() const { return up == "x" ? 0 : up == "y" ? 1 : 2; }
 };
 
 bool isRootFile(const std::string& file) {
@@ -30,8 +34,8 @@ bool isRootFile(const std::string& file) {
   return suffix == ".rsml" || suffix == ".tsv";
 }
 
-/// The lines of a model after its last step; nothing after an error.
-std::optional<roots::RootSystem> rootsOfModel(const TraitsOptions& options, server::DiskFileProvider& files) {
+/// The table of a model after its last step; nothing after an error.
+std::optional<std::string> tableOfModel(const TraitsOptions& options, server::DiskFileProvider& files) {
   ModelOptions model = options.model;
   std::optional<LoadedModel> loaded = loadModel(model, files);
   if (!loaded) {
@@ -44,11 +48,22 @@ std::optional<roots::RootSystem> rootsOfModel(const TraitsOptions& options, serv
     failure = simulation.step();
   }
   if (!failure) {
-    const auto scene = simulation.scene();
-    if (const auto* drawn = std::get_if<turtle::Scene>(&scene)) {
-      return roots::rootsOf(*drawn);
+    auto scene = simulation.scene();
+    if (auto* drawn = std::get_if<turtle::Scene>(&scene)) {
+      const std::string table = roots::traitTable(roots::traitsOf(roots::rootsOf(*drawn), options.upAxis()));
+      try {
+        turtle::Geometry geometry;
+        turtle::appendGeometry(
+            std::move(*drawn), simulation.view(), [](std::uint32_t, std::uint64_t) { return core::SymbolId{0}; },
+            geometry);
+        return table + roots::shootTraitRows(roots::shootTraitsOf(geometry, options.upAxis(), options.ground),
+                                             options.upAxis());
+      } catch (const core::SimulationFailure& tooLarge) {
+        failure = tooLarge.error();
+      }
+    } else {
+      failure = std::get<core::SimulationError>(scene);
     }
-    failure = std::get<core::SimulationError>(scene);
   }
   printError(formatSimulationError(*failure));
   return std::nullopt;
@@ -56,7 +71,7 @@ std::optional<roots::RootSystem> rootsOfModel(const TraitsOptions& options, serv
 
 int run(const TraitsOptions& options) {
   server::DiskFileProvider files;
-  std::optional<roots::RootSystem> system;
+  std::optional<std::string> table;
   if (isRootFile(options.model.model)) {
     const auto text = files.read(options.model.model);
     if (!text) {
@@ -68,15 +83,14 @@ int run(const TraitsOptions& options) {
       printError(options.model.model + ", " + read.error());
       return kFailure;
     }
-    system = std::move(*read);
+    table = roots::traitTable(roots::traitsOf(*read, options.upAxis()));
   } else {
-    system = rootsOfModel(options, files);
+    table = tableOfModel(options, files);
   }
-  if (!system) {
+  if (!table) {
     return kFailure;
   }
-  const int up = options.up == "x" ? 0 : options.up == "y" ? 1 : 2;
-  std::cout << roots::traitTable(roots::traitsOf(*system, up)) << std::flush;
+  std::cout << *table << std::flush;
   return kSuccess;
 }
 
@@ -84,19 +98,25 @@ int run(const TraitsOptions& options) {
 
 void addTraits(CLI::App& program, int& status) {
   CLI::App* command =
-      program.add_subcommand("traits", "Print lengths, numbers and topology of a root system or a plant");
+      program.add_subcommand("traits", "Print lengths, topology, leaves and crown of a plant or a root system");
   command->footer(
       "Prints a table of traits by order: lengths, numbers of axes, diameters, height, width, and Fitter's topology.\n"
+      "Of a model with leaves also their number, area, index and angles, and the extent of the crown.\n"
       "MODEL is a model, or a root system: a .rsml file, or a .tsv table with the columns node, parent, x, y, z.\n"
       "Examples:\n"
       "  espalier traits clients/gallery/roots-in-soil --seed 1\n"
-      "  espalier traits roots.rsml --up z");
+      "  espalier traits roots.rsml --up z\n"
+      "  espalier traits clients/gallery/lilac --ground 100");
   auto options = std::make_shared<TraitsOptions>();
   addReadingOptions(*command, options->model, true);
   addRunningOptions(*command, options->model);
   command->add_option("--up", options->up, "The axis of the height")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->capture_default_str();
+  command
+      ->add_option("--ground", options->ground,
+                   "Area of the ground for the leaf area index (default: the crown seen from above)")
+      ->check(CLI::PositiveNumber);
   command->callback([options, &status] { status = run(*options); });
 }
 

@@ -21,6 +21,7 @@ struct ValidateOptions {
   std::vector<std::string> names;
   std::string data;
   std::string plots;  // folder; empty: none
+  std::string page;   // file; empty: none
   bool isQuick = false;
   bool isList = false;
 };
@@ -62,15 +63,33 @@ std::vector<const validation::Case*> chosenCases(const ValidateOptions& options)
   return chosen;
 }
 
+const char* verdictOf(const validation::Row& row) {
+  return !row.tolerance ? "reported" : row.isMet() ? "met" : "NOT MET";
+}
+
+/// The part of a page about one case; `picture` is the address of its picture, or empty.
+std::string pagePart(const validation::Case& one, const validation::CaseResult& result, const std::string& picture) {
+  std::string part = "\n## " + std::string(one.name) + "\n\n" + std::string(one.title) + ".\n\n" +
+                     "| compared | error | tolerance | result | published programs |\n|---|---:|---:|---|---|\n";
+  for (const validation::Row& row : result.rows) {
+    part += "| " + row.what + " | " + shortNumber(row.error) + " | " +
+            (row.tolerance ? shortNumber(*row.tolerance) : std::string()) + " | " + verdictOf(row) + " | " +
+            row.published + " |\n";
+  }
+  for (const std::string& name : result.missing) {
+    part += "\nA part is left out: it needs `" + name + "`.\n";
+  }
+  return picture.empty() ? part : part + "\n![" + std::string(one.name) + "](" + picture + ")\n";
+}
+
 /// Prints the rows of a case; false when one is beyond its tolerance.
 bool printRows(const validation::Case& one, const validation::CaseResult& result, double seconds) {
   bool isMet = true;
   for (const validation::Row& row : result.rows) {
     isMet = isMet && row.isMet();
-    const std::string verdict = !row.tolerance ? "reported" : row.isMet() ? "met" : "NOT MET";
     std::printf("%s\t%s\t%s\t%s\t%s\t%s\t%.1f\n", std::string(one.name).c_str(), row.what.c_str(),
                 shortNumber(row.error).c_str(), row.tolerance ? shortNumber(*row.tolerance).c_str() : "",
-                verdict.c_str(), row.published.c_str(), seconds);
+                verdictOf(row), row.published.c_str(), seconds);
   }
   std::fflush(stdout);
   for (const std::string& name : result.missing) {
@@ -102,11 +121,17 @@ int validate(const ValidateOptions& options) {
   }
   std::printf("case\twhat\terror\ttolerance\tresult\tpublished programs\tseconds of the case\n");
   bool isMet = true;
+  std::string page =
+      "# Results of validation\n\nWritten by `espalier validate --data FOLDER --plot FOLDER --page FILE`. "
+      "[validation.md](validation.md) explains the benchmarks. Errors are in the sense of the first column. In "
+      "pictures "
+      "references are dashed.\n";
   for (const validation::Case* one : chosen) {
     const auto begin = std::chrono::steady_clock::now();
     const validation::CaseResult result = one->run(data);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
     isMet = printRows(*one, result, seconds.count()) && isMet;
+    std::string picture;
     const std::string plot =
         options.plots.empty() ? "" : validation::resultPlot(std::string(one->title), result.curves);
     if (!plot.empty()) {
@@ -118,7 +143,18 @@ int validate(const ValidateOptions& options) {
         return kFailure;
       }
       printNote("wrote " + file);
+      picture = std::filesystem::path(file)
+                    .lexically_proximate(std::filesystem::path(options.page).parent_path())
+                    .generic_string();
     }
+    page += pagePart(*one, result, picture);
+  }
+  if (!options.page.empty()) {
+    if (const auto problem = server::writeFileAtomically(options.page, page)) {
+      printError(*problem);
+      return kFailure;
+    }
+    printNote("wrote " + options.page);
   }
   if (!isMet) {
     printError("at least one result is beyond its tolerance: look for NOT MET above");
@@ -129,8 +165,8 @@ int validate(const ValidateOptions& options) {
 }  // namespace
 
 void addValidate(CLI::App& program, int& status) {
-  CLI::App* command =
-      program.add_subcommand("validate", "Compare soil, roots and light with published benchmarks and exact solutions");
+  CLI::App* command = program.add_subcommand(
+      "validate", "Compare soil, roots, light and stands with published benchmarks and exact solutions");
   command->footer(
       "Prints a table: case, what is compared, error, tolerance, errors of published programs, time.\n"
       "Examples:\n"
@@ -142,6 +178,7 @@ void addValidate(CLI::App& program, int& status) {
   command->add_option("--data", options->data,
                       "Folder with the published tables; parts that need a missing table are left out and named");
   command->add_option("--plot", options->plots, "Folder for a picture (SVG) of each benchmark that has curves");
+  command->add_option("--page", options->page, "File for a page (Markdown) with the results and their pictures");
   command->add_flag("--quick", options->isQuick, "Only the benchmarks of the ordinary tests");
   command->add_flag("--list", options->isList, "Print the benchmarks with what they compare, and run none");
   command->callback([options, &status] { status = validate(*options); });

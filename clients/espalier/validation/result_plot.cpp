@@ -29,9 +29,17 @@ std::string number(double value, const char* format = "%.1f") {
   return {text.data(), static_cast<std::size_t>(length)};
 }
 
+std::string escaped(std::string_view text) {
+  std::string safe;
+  for (const char letter : text) {
+    safe += letter == '&' ? "&amp;" : letter == '<' ? "&lt;" : std::string(1, letter);
+  }
+  return safe;
+}
+
 std::string label(double x, double y, std::string_view anchor, std::string_view text) {
   return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + std::string(anchor) + "\">" +
-         std::string(text) + "</text>\n";
+         escaped(text) + "</text>\n";
 }
 
 std::string path(const std::string& places, std::string_view colour, bool isDashed) {

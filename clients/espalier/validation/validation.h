@@ -47,9 +47,13 @@ struct Case {
 /// All benchmarks in the order of the table.
 [[nodiscard]] std::span<const Case> cases();
 
-/// The cases, by subject: soil_cases.cpp, root_cases.cpp, uptake_cases.cpp.
+/// The cases, by subject: soil_cases.cpp, root_cases.cpp, uptake_cases.cpp, light_cases.cpp,
+/// forest_cases.cpp, stand_cases.cpp.
 [[nodiscard]] std::span<const Case> soilCases();
 [[nodiscard]] std::span<const Case> rootCases();
 [[nodiscard]] std::span<const Case> uptakeCases();
+[[nodiscard]] std::span<const Case> lightCases();
+[[nodiscard]] std::span<const Case> forestCases();
+[[nodiscard]] std::span<const Case> standCases();
 
 }  // namespace espalier::validation

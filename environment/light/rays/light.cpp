@@ -33,9 +33,10 @@ namespace {
 using core::Vec3;
 
 constexpr int kGroundCells = 16;
-constexpr std::size_t kMostDirections = 65536;
-constexpr double kMostPlots = 50.0;    // that one triangle reaches
-constexpr double kFurthestPlot = 1e6;  // beyond it places have too few digits
+constexpr std::size_t kMostDirections = 65536;    // that the error asks for
+constexpr std::size_t kRaysOfABalance = 500'000;  // to the sun, of all triangles together
+constexpr double kMostPlots = 50.0;               // that one triangle reaches
+constexpr double kFurthestPlot = 1e6;             // beyond it places have too few digits
 constexpr std::uint32_t kGroundMaterial = 2 * PlantSurfaces::kSegment;
 
 class Light final : public turtle::EnvironmentProcess {
@@ -218,9 +219,8 @@ class Light final : public turtle::EnvironmentProcess {
     if (!incoming) {
       return tl::unexpected(std::move(incoming.error()));
     }
-    const std::size_t sunRays = static_cast<std::size_t>(configuration_.integer("sunRays")) << level;
-    if (sunRays > 1) {
-      repeat(incoming->suns, sunRays);
+    if (const std::size_t rays = sunRaysOf(level, groundBegin, incoming->suns.size()); rays > 1) {
+      repeat(incoming->suns, rays);
     }
     light.setScene(plants.surfaces, scatters() ? std::vector<std::uint32_t>{} : wantedBy(queries, plants),
                    incoming->suns);
@@ -256,6 +256,16 @@ class Light final : public turtle::EnvironmentProcess {
       lit.skies.push_back(std::move(sky));
     }
     return lit;
+  }
+
+  /// Rays from a triangle to each of the suns. The sum over a stand of one ray from each leaf has an error of about
+  /// L √(f (1 − f)/leaves) of the light, with the leaf area index L and the lit part f.
+  [[nodiscard]] std::size_t sunRaysOf(std::size_t level, std::size_t triangles, std::size_t suns) const {
+    constexpr std::size_t kMost = 256;
+    if (remainder_ > 0.0 && error_ == 0.0 && !configuration_.isGiven("sunRays") && triangles > 0 && suns > 0) {
+      return std::clamp<std::size_t>(kRaysOfABalance / (triangles * suns), 1, kMost);
+    }
+    return static_cast<std::size_t>(configuration_.integer("sunRays")) << level;
   }
 
   /// Each sun as so many, which shine on other points of a triangle.

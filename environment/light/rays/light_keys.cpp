@@ -141,7 +141,8 @@ constexpr std::array kKeys{
                      .maximum = 1.0},
     ConfigurationKey{.name = "sunRays",
                      .kind = KeyKind::Integer,
-                     .description = "number of rays from each triangle to each position of the sun",
+                     .description = "number of rays from each triangle to each position of the sun; not given, with a "
+                                    "remainder: as many as make half a million in all",
                      .minimum = 1.0,
                      .maximum = 4096.0,
                      .defaultNumber = 1.0},
@@ -181,7 +182,7 @@ constexpr std::array kKeys{
                      .description = "least number of rays of an organ, over the whole sphere; each of its "
                                     "triangles has 16 or more",
                      .minimum = 8.0,
-                     .maximum = 65536.0,
+                     .maximum = 4194304.0,
                      .defaultNumber = 128.0},
     ConfigurationKey{.name = "plot",
                      .kind = KeyKind::Numbers,

@@ -83,6 +83,26 @@ TEST(Crowding, APeriodicPlotHasNoBorders) {
   EXPECT_LT(*answersOf(*process, QueryBuilder().add({1, 0, 1}, {8, 0, 1}).batch())[0][1], 0.7);
 }
 
+TEST(Crowding, AStandThatIsTurnedByARightAngleKeepsItsShares) {
+  // plants at places that a quarter about the middle of the plot takes to places in it; the points of a zone do not
+  // turn with them, so shares agree as far as points resolve a zone
+  QueryBuilder plain;
+  QueryBuilder turned;
+  for (int i = 0; i < 60; ++i) {
+    const double x = 0.5 + 9.0 * std::fmod(0.7548776662466927 * i, 1.0);
+    const double z = 0.5 + 9.0 * std::fmod(0.5698402909980532 * i, 1.0);
+    const double radius = 0.6 + 0.02 * (i % 20);
+    plain.add({x, 0, z}, {radius, 0, radius});
+    turned.add({z, 0, 10 - x}, {radius, 0, radius});
+  }
+  const std::string keys = R"({"samples":4000,"periodic":true,"extent":[0,10,0,10]})";
+  const auto before = answersOf(*openProcess("crowding", keys), plain.batch());
+  const auto after = answersOf(*openProcess("crowding", keys), turned.batch());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_NEAR(*before[i][1], *after[i][1], 0.01) << i;
+  }
+}
+
 TEST(Crowding, SeedsFlyAsFarAsTheyShouldAndGerminateByTheSite) {
   // 5000 seeds with the mean distance 3: the standard deviation of a flight is 3/√2, that of the mean 0.03. Half of the
   // plot has quality 0.5, the other 0; from the middle half of them fall on each. 5 standard deviations, fixed seed

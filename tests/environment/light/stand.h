@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "clients/espalier/validation/canopy.h"
 #include "engine/turtle/field.h"
-#include "tests/environment/light/canopy.h"
 #include "tests/environment/query_builder.h"
 
 namespace espalier::environment {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "environment/light/sky.h"
 #include "tests/environment/light/stand.h"
 
 namespace espalier::environment {
@@ -175,6 +176,33 @@ TEST(StandLight, RaysAreDoubledUntilTheErrorIsReached) {
   const double coarse = difference(lightWith(R"(,"directions":16)"), exact);
   EXPECT_GT(coarse, 0.03);
   EXPECT_LT(difference(lightWith(R"(,"directions":16,"error":0.01)"), exact), 0.01);
+}
+
+TEST(StandLight, AClearSkyGivesPlanesTheirIrradiance) {
+  // the radiance is scaled so that a horizontal plane gets 100; what a tilted leaf gets on both sides follows from it
+  const core::Vec3 sun{0.866025403784, 0.5, 0};
+  const core::Vec3 normal = core::normalised({0.3, 0.8, 0.5});
+  double level = 0.0;
+  double tilted = 0.0;
+  constexpr int kSteps = 1000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double height = (i + 0.5) / kSteps;
+    const double width = std::sqrt(1.0 - height * height);
+    for (int k = 0; k < kSteps; ++k) {
+      const double angle = 2.0 * std::numbers::pi * (k + 0.5) / kSteps;
+      const core::Vec3 direction{width * core::cos(angle), height, width * core::sin(angle)};
+      const double radiance = skyRadiance(SkyKind::Clear, height, core::dot(direction, sun), sun.y);
+      level += radiance * height;
+      tilted += radiance * std::abs(core::dot(direction, normal));
+    }
+  }
+  Stand stand;
+  stand.leaf({0, 1, 0}, normal, 0.01);
+  const std::string keys =
+      R"({"sky":"clear","diffuseIrradiance":100,"sun":"direction","directIrradiance":0,"bounces":0,)"
+      R"("sunDirection":[0.866025403784,0.5,0],"directions":4096})";
+  EXPECT_NEAR(*answersOf(*openProcess("light", keys), stand.queries())[0][2], 100 * tilted / level, 0.5);
+  EXPECT_NEAR(*answersOf(*openProcess("light", keys), Stand().sensor(4))[0][2], 100, 0.1);
 }
 
 TEST(StandLight, PhotonsOfADayAreMoles) {

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "clients/espalier/validation/canopy.h"
+#include "clients/espalier/validation/validation.h"
+#include "engine/core/elementary.h"
+
+namespace espalier::validation {
+
+/// What becomes of the light that comes in.
+struct Fluxes {
+  double up = 0.0, down = 0.0, byPlants = 0.0, byGround = 0.0;
+};
+
+/// The largest differences of a group of comparisons.
+struct Largest {
+  double absorbed = 0.0, reflected = 0.0, down = 0.0, balance = 0.0;
+
+  void add(const Fluxes& fluxes, double expectedAbsorbed, double expectedReflected, double expectedDown) {
+    absorbed = std::max(absorbed, std::abs(fluxes.byPlants - expectedAbsorbed));
+    reflected = std::max(reflected, std::abs(fluxes.up - expectedReflected));
+    down = std::max(down, std::abs(fluxes.down - expectedDown));
+    balance = std::max(balance, std::abs(fluxes.byPlants + fluxes.up + fluxes.byGround - 1.0));
+  }
+  void addTo(CaseResult& result, const std::string& what, std::optional<double> tolerance) const {
+    result.rows.push_back({what + ", absorbed", absorbed, tolerance, ""});
+    result.rows.push_back({what + ", reflected", reflected, tolerance, ""});
+    result.rows.push_back({what + ", down at the ground", down, tolerance, ""});
+  }
+};
+
+/// Leaves and ground in one band.
+struct Band {
+  double rho = 0.0, tau = 0.0, ground = 0.0;
+};
+
+/// A direction of the sun; zenith 0: a uniform sky. Degrees.
+struct Light {
+  double zenith = 0.0;
+  double azimuth = 30.0;
+
+  [[nodiscard]] core::Vec3 direction() const {
+    const double angle = zenith * std::numbers::pi / 180.0;
+    const double turn = azimuth * std::numbers::pi / 180.0;
+    return {core::sin(angle) * core::cos(turn), core::cos(angle), core::sin(angle) * core::sin(turn)};
+  }
+};
+
+/// The light of a table: "uniform", or a zenith angle in degrees.
+[[nodiscard]] Light lightOf(const std::string& zenith);
+
+/// Numbers as a JSON list.
+[[nodiscard]] std::string listOf(const std::vector<double>& numbers);
+
+/// The fluxes of all bands in a square stand from 0 to `side` that repeats itself, by the process `light`.
+[[nodiscard]] std::vector<Fluxes> rayFluxes(const environment::Canopy& canopy, double side,
+                                            const std::vector<Band>& bands, const Light& light, int directions);
+
+/// The same of a box of voxels of side 1, by the process `light-voxels`.
+[[nodiscard]] Fluxes voxelFluxes(const std::array<int, 3>& cells, const std::vector<double>& densities,
+                                 const std::string& leafAngles, const Band& band, const Light& light);
+
+}  // namespace espalier::validation

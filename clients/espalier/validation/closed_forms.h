@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+namespace espalier::validation {
+
+/// What a layer of leaves does with light, as parts of what comes in.
+struct LayerFluxes {
+  double reflected = 0.0, absorbed = 0.0, down = 0.0;  // down: on the ground, also light that comes down again
+};
+/// Small horizontal leaves of any illumination over a ground: Kubelka & Munk's equations.
+[[nodiscard]] LayerFluxes horizontalLayer(double leafAreaIndex, double rho, double tau, double ground);
+
+/// Mean projection of a unit of leaf area in a direction (Ross 1981), by the name of the distribution of leaf angles.
+/// `ratio` is that of the ellipsoid (Campbell 1986, with the exact normalisation).
+[[nodiscard]] double leafProjection(const std::string& leaves, double ratio, double zenithRadians);
+
+/// The part of a light that passes black leaves: `light` is "uniform", "overcast" or "zenith" with an angle in degrees.
+[[nodiscard]] double passedBlackLeaves(const std::string& leaves, double ratio, const std::string& light,
+                                       double leafAreaIndex);
+
+/// View factors. Discs: radii p1 and p2 at a distance p3 on one axis. Rectangles: p1 x p2, opposed at a distance p3.
+/// Corner: from a rectangle of width p1 to one of width p2 that stands on their common edge p3.
+[[nodiscard]] double viewFactor(const std::string& kind, double p1, double p2, double p3);
+
+/// The area that two discs share.
+[[nodiscard]] double lensArea(double first, double second, double distance);
+
+}  // namespace espalier::validation
