@@ -246,7 +246,7 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
                   "Longest time of an environment for a step (default: 60 for another process or a plug-in, no\n"
                   "limit for a built-in environment)")
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.001, 86'400.0));
+      ->check(numberFrom(0.001, 86'400.0));
   addWholeNumber(
       command, "--iterations",
       "In each step, ask the environment again with its own answers until they no longer change, at\n"
@@ -258,7 +258,7 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
       .add_option("--tolerance", options.coupling.tolerance,
                   "With --iterations: an answer that differs by at most X counts as unchanged (0)")
       ->type_name("X")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0.0, 1e300));
   addWholeNumber(command, "--seed", "Seed of the random numbers; it replaces the model's `seed:`", 0,
                  std::numeric_limits<std::uint64_t>::max(), [&options](std::uint64_t seed) { options.seed = seed; })
       ->type_name("S");

@@ -40,4 +40,18 @@ CLI::Option* addPositiveNumber(CLI::App& command, const std::string& name, const
       help);
 }
 
+CLI::Validator numberFrom(double least, double most) {
+  std::string range = "from ";
+  core::appendNumber(range, least, core::NumberStyle::PercentG);
+  range += " to ";
+  core::appendNumber(range, most, core::NumberStyle::PercentG);
+  return CLI::Validator(
+      [least, most, range](std::string& text) -> std::string {
+        const std::optional<double> value = core::parseNumber(text);
+        return value && *value >= least && *value <= most ? std::string{}
+                                                          : "'" + text + "' is not possible: give a number " + range;
+      },
+      "FLOAT " + range, "number");
+}
+
 }  // namespace espalier::command

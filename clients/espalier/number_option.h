@@ -7,6 +7,7 @@
 namespace CLI {
 class App;
 class Option;
+class Validator;
 }  // namespace CLI
 
 namespace espalier::command {
@@ -23,5 +24,8 @@ CLI::Option* addWholeNumber(CLI::App& command, const std::string& name, const st
 /// 0".
 CLI::Option* addPositiveNumber(CLI::App& command, const std::string& name, const std::string& help,
                                const std::string& unit, const std::function<void(double)>& set);
+
+/// A check that a text is a number from `least` to `most`; NaN is none.
+[[nodiscard]] CLI::Validator numberFrom(double least, double most);
 
 }  // namespace espalier::command

@@ -76,10 +76,13 @@ class Hosts(unittest.TestCase):
         answers = host("no JSON\n", "[" * 100_000 + "\n", "[]\n", '{"jsonrpc":"2.0","id":true,"method":"ping"}\n', '"' + "x" * 5_000_000 + '"\n',
                        {"jsonrpc": "2.0", "method": "notifications/initialized"}, {"jsonrpc": "2.0", "id": 9, "result": {}}, "\n",
                        {"jsonrpc": "2.0", "id": 1, "method": "ping", "params": []}, request(2, "resources/list"),
-                       request(3, "tools/call", name="nothing"), request(4, "ping"))
+                       request(3, "tools/call", name="nothing"),
+                       '{"jsonrpc":"2.0","id":"\\ud800","method":5}\n', request(5, "tools/call", name="check", arguments={"source": "\ud800"}),
+                       request(4, "ping"))
         codes = [answer.get("error", {}).get("code") for answer in answers]
-        self.assertEqual(codes, [-32700, -32700, -32600, -32600, -32600, -32602, -32601, -32602, None])
-        self.assertEqual([answer["id"] for answer in answers], [None] * 5 + [1, 2, 3, 4])
+        self.assertEqual(codes, [-32700, -32700, -32600, -32600, -32600, -32602, -32601, -32602, -32600, None, None])
+        self.assertEqual([answer["id"] for answer in answers], [None] * 5 + [1, 2, 3, "\ud800", 5, 4])
+        self.assertTrue(answers[-2]["result"]["isError"])
 
     def test_the_version_of_the_host_is_taken_when_it_is_known(self) -> None:
         answers = host(request(1, "initialize", protocolVersion="2024-11-05"), request(2, "initialize", protocolVersion="2099-01-01"))

@@ -71,6 +71,29 @@ class Movies(unittest.TestCase):
         self.assertEqual(done.returncode, 2)
         self.assertIn("give --every", done.stderr)
 
+    def test_files_that_the_options_do_not_fit_are_refused(self) -> None:
+        (self.folder / "dir.mp4").mkdir()
+        (self.folder / "a.l").write_text("Lsystem: 1\nderivation length: 1\nAxiom: F\nendlsystem\n", encoding="utf-8")
+        path = self.with_stand_in(STAND_IN)
+        for arguments, status, words in ((("--turntable", "3", "-o", "a.glb"), 2, "--turntable writes .png"),
+                                         (("--variants", "2", "--turntable", "3", "-o", "a.png"), 2, "excludes"),
+                                         (("--render", "-o", "a.svg"), 2, "--render draws .png"),
+                                         (("--render", "--view-height", "nan", "-o", "a.png"), 2, "give a number from -89 to 89"),
+                                         (("--detail", "nan", "-o", "a.glb"), 2, "give a number from 0.01 to 100"),
+                                         (("--every", "-o", "dir.mp4"), 1, "it is a folder"),
+                                         (("--every", "-o", "nowhere/a.mp4"), 1, "there is no folder for it")):
+            with self.subTest(" ".join(arguments)):
+                done = self.run_with(path, *arguments)
+                self.assertEqual(done.returncode, status, done.stderr)
+                self.assertIn(words, done.stderr)
+        model = (self.folder / "a.l").read_bytes()
+        done = subprocess.run([program(), "run", "a.l", "-o", "a.l", "--format", "png"], cwd=self.folder, text=True,
+                              capture_output=True, check=False, timeout=120)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("'a.l' is the model", done.stderr)
+        self.assertEqual((self.folder / "a.l").read_bytes(), model)
+        self.assertEqual(sorted(file.name for file in self.folder.iterdir()), ["a.l", "bin", "dir.mp4"])
+
     @unittest.skipUnless(shutil.which("ffmpeg"), "ffmpeg is not installed")
     def test_the_real_ffmpeg_makes_all_three_kinds(self) -> None:
         done = self.run_with(os.environ["PATH"], "--every", "-o", "a.mp4", "-o", "a.webm", "-o", "a.gif")

@@ -110,6 +110,10 @@ class Sweep(unittest.TestCase):
         for k in (3, 1, 2):
             self.sweep(plan, "-o", self.file(f"part-{k}.sqlite"), "--slice", f"{k}/3", "--quiet")
         self.assertIn("lacks 80 of 120 runs", self.sweep("export", self.file("part-1.sqlite"), status=1).stderr)
+        results = Path(self.file("part-1.sqlite"))
+        before = results.read_bytes()
+        self.assertIn("holds the results", self.sweep("export", str(results), "--partial", "-o", str(results), status=1).stderr)
+        self.assertEqual(results.read_bytes(), before)
         self.sweep("merge", *[self.file(f"part-{k}.sqlite") for k in (2, 3, 1)], "-o", self.file("all.sqlite"))
         hashes = {self.hash(self.file(name)) for name in ("1.sqlite", "3.sqlite", "all.sqlite")}
         self.assertEqual(len(hashes), 1)

@@ -11,6 +11,7 @@
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/conformance/program_run.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/number_option.h"
 #include "server/remote/disk_files.h"
 #include "server/remote/models/gallery.h"
 
@@ -171,7 +172,7 @@ void addConformance(CLI::App& program, int& status) {
   command->add_option("--cases", options->folder, "Folder of the suite (default: the one that came with the program)")
       ->type_name("FOLDER");
   command->add_option("--timeout", options->seconds, "Longest time of a run in seconds (10)")
-      ->check(CLI::Range(0.1, 86'400.0))
+      ->check(numberFrom(0.1, 86'400.0))
       ->type_name("SECONDS");
   command->add_flag("--quiet", options->isQuiet, "Print only failures and the count");
   command->add_flag("--list", options->onlyLists, "Print name, kind and purpose of the cases; run none");

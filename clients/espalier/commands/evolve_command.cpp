@@ -467,9 +467,9 @@ void addEvolve(CLI::App& program, int& status) {
   addWholeNumber(*command, "--elite", "Number of the best plants that stay unchanged in the next generation (1)", 0,
                  1'000'000, [options](std::uint64_t count) { options->eliteCount = count; });
   command->add_option("--mutation", options->mutation, "Probability that a gene changes (0.15)")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(numberFrom(0.0, 1.0));
   command->add_option("--crossover", options->crossover, "Probability that a child has two parents (0.7)")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(numberFrom(0.0, 1.0));
   command->add_option("-o,--output", options->folder, "Folder for the results")->required()->type_name("FOLDER");
   command->add_flag("--resume", options->isResumed, "Continue the run in FOLDER");
   command->callback([options, &status] {

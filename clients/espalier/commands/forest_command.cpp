@@ -501,7 +501,7 @@ void addForest(CLI::App& program, int& status) {
       ->add_option_function<double>(
           "--turn", [options](const double& degrees) { options->turnDegrees = degrees; },
           "For species files: turn of a branch about its own axis, in degrees (default: as in the file, 30)")
-      ->check(CLI::Range(-360.0, 360.0));
+      ->check(numberFrom(-360.0, 360.0));
   command->add_flag_callback(
       "--flat", [options] { options->turnDegrees = 0.0; }, "Flat trees: the same as --turn 0");
   command->add_flag("--painted", options->isPainted,

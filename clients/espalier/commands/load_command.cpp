@@ -13,6 +13,7 @@
 #include "clients/espalier/client_token.h"
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/number_option.h"
 #include "clients/espalier/server_connection.h"
 #include "protocol/envelope.h"
 #include "protocol/json_text.h"
@@ -218,7 +219,7 @@ void addLoad(CLI::App& program, int& status) {
       ->check(CLI::Range(0, 100'000))
       ->capture_default_str();
   command->add_option("--seconds", options->seconds, "Duration of the measurement, in seconds")
-      ->check(CLI::Range(0.01, 86'400.0))
+      ->check(numberFrom(0.01, 86'400.0))
       ->capture_default_str();
   command->footer(
       "The command deletes its simulations at the end. Exit status: 0 every call was answered, 1 a call failed.\n"

@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -29,6 +30,8 @@
 
 namespace espalier::command {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct RunOptions {
   ModelOptions model;
@@ -363,6 +366,39 @@ int takeMovies(RunOptions& options) {
                "' is a movie: give --every for the growth of the plant, or --turntable N for one turn in N pictures");
     return kUsage;
   }
+  for (const std::string& movie : options.movies) {
+    const fs::path folder = fs::path(movie).parent_path();
+    std::error_code error;
+    if ((!folder.empty() && !fs::is_directory(folder, error)) || fs::is_directory(movie, error)) {
+      printError("cannot write '" + movie + "': there is no folder for it, or it is a folder; give another name");
+      return kFailure;
+    }
+  }
+  return kSuccess;
+}
+
+// files that the options do not fit
+int checkFiles(const RunOptions& options) {
+  const OutputOptions& outputs = options.outputs;
+  const auto isPng = [&](const std::string& file) {
+    const turtle::ExportFormat* const format = formatOf(outputs, file);
+    return format != nullptr && format->name == "png";
+  };
+  for (const std::string& file : outputs.files) {
+    std::error_code error;
+    if (fs::equivalent(file, options.model.model, error)) {
+      printError("'" + file + "' is the model: give the output another name");
+      return kUsage;
+    }
+    if (outputs.turntable > 0 && !isPng(file)) {
+      printError("'" + file + "' is not seen from a side: --turntable writes .png, .mp4, .webm and .gif");
+      return kUsage;
+    }
+  }
+  if (outputs.render.isOn && options.movies.empty() && std::ranges::none_of(outputs.files, isPng)) {
+    printError("--render draws .png, .mp4, .webm and .gif: give -o such a file");
+    return kUsage;
+  }
   return kSuccess;
 }
 
@@ -371,6 +407,9 @@ int run(RunOptions& options) {
     return runAll(options);
   }
   if (const int status = takeMovies(options); status != kSuccess) {
+    return status;
+  }
+  if (const int status = checkFiles(options); status != kSuccess) {
     return status;
   }
   const bool isInRows = options.rowSpacing.has_value();
@@ -432,8 +471,8 @@ void addRun(CLI::App& program, int& status) {
       "Write every step, from 0. The number of the step replaces %d or %04d in the file name, or stands before the\n"
       "suffix. A .usda file without %d holds the growth animation of all steps");
   addWholeNumber(*command, "--turntable",
-                 "Write N pictures of one turn of the plant at its last step, numbered from 0. With -o FILE.mp4, .webm "
-                 "or .gif,\nor with --every, the pictures become a movie; the program ffmpeg makes it",
+                 "Write N pictures of one turn of the plant at its last step, numbered from 0. -o FILE.mp4, .webm or\n"
+                 ".gif makes a movie of them, or with --every of the growth; the program ffmpeg makes it",
                  2, 10'000, [options](std::uint64_t count) { options->outputs.turntable = count; })
       ->type_name("N")
       ->excludes(every);
@@ -453,6 +492,7 @@ void addRun(CLI::App& program, int& status) {
                      "Grow N plants with the seeds S, S+1, ... of --seed S (1); files are numbered from 001", 1,
                      1'000'000, [options](std::uint64_t count) { options->variants = count; })
           ->type_name("N")
+          ->excludes("--turntable")
           ->excludes(every)
           ->excludes(resume);
   command
@@ -468,7 +508,7 @@ void addRun(CLI::App& program, int& status) {
           "Write all variants into one file, in rows with this distance (0: so that they do not touch). Equal plants\n"
           "share their meshes in a .glb")
       ->type_name("DISTANCE")
-      ->check(CLI::NonNegativeNumber)
+      ->check(numberFrom(0.0, 1e300))
       ->needs(variants);
   command->callback([options, &status] {
     if (options->model.model.empty() && roots::isRootFile(options->model.startFile)) {

@@ -168,8 +168,8 @@ Problem soilProblem(const Installation& installation) {
 class OwnServer {
  public:
   [[nodiscard]] static tl::expected<OwnServer, std::string> start(const Installation& installation) {
-    auto started = server::ChildProcess::start(
-        {installation.program(), "serve", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--log-level", "off"});
+    auto started = server::ChildProcess::start({installation.program(), "serve", "--listen", "127.0.0.1:0", "--http",
+                                                "127.0.0.1:0", "--log-level", "off", "--until-input-ends"});
     if (!started) {
       return tl::unexpected(started.error());
     }

@@ -11,6 +11,7 @@
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
+#include "clients/espalier/number_option.h"
 #include "clients/espalier/result.h"
 #include "clients/espalier/roots/root_system.h"
 #include "clients/espalier/roots/root_traits.h"
@@ -41,7 +42,7 @@ std::optional<std::string> tableOfModel(const TraitsOptions& options, server::Di
   if (!loaded) {
     return std::nullopt;
   }
-  simulation::Simulation simulation(loaded->program, {turtle::PlantPlacement{}}, std::move(loaded->environment.process),
+  simulation::Simulation simulation(loaded->programs, loaded->plants, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
   std::optional<core::SimulationError> failure = simulation.rewind();
   while (!failure && !server::isOver(simulation, model.steps)) {
@@ -113,10 +114,9 @@ void addTraits(CLI::App& program, int& status) {
   command->add_option("--up", options->up, "The axis of the height")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->capture_default_str();
-  command
-      ->add_option("--ground", options->ground,
-                   "Area of the ground for the leaf area index (default: the crown seen from above)")
-      ->check(CLI::PositiveNumber);
+  addPositiveNumber(*command, "--ground",
+                    "Area of the ground for the leaf area index (default: the crown seen from above)", "an area",
+                    [options](double area) { options->ground = area; });
   command->callback([options, &status] { status = run(*options); });
 }
 

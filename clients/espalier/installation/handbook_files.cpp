@@ -48,7 +48,7 @@ Result<HandbookFiles> HandbookFiles::read(const std::string& folder) {
       std::ifstream file(entry.path(), std::ios::binary);
       std::ostringstream content;
       content << file.rdbuf();
-      handbook.files_.push_back({fs::relative(entry.path(), folder, error).generic_string(), std::move(content).str()});
+      handbook.files_.push_back({entry.path().lexically_relative(folder).generic_string(), std::move(content).str()});
     }
   }
   return handbook;

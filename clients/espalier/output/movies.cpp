@@ -128,7 +128,9 @@ std::optional<std::string> Movie::finish() {
     return "ffmpeg could not make '" + file_ + "': its message is above";
   }
   if (std::rename(partial_.c_str(), file_.c_str()) != 0) {
-    return "cannot write '" + file_ + "': " + std::strerror(errno);
+    const std::string reason = std::strerror(errno);
+    std::remove(partial_.c_str());
+    return "cannot write '" + file_ + "': " + reason;
   }
   return std::nullopt;
 }

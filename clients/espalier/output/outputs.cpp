@@ -167,7 +167,7 @@ void addRenderOptions(CLI::App& command, OutputOptions& options) {
       .add_option("--view-height", options.render.height,
                   "With --render: the viewer stands this many degrees above the horizon (the view file's, at least 8)")
       ->type_name("DEGREES")
-      ->check(CLI::Range(-89.0, 89.0))
+      ->check(numberFrom(-89.0, 89.0))
       ->needs(render);
 }
 
@@ -235,7 +235,7 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
       .add_option("--detail", options.detail,
                   "Level of detail: factor for the sides of tubes and the subdivisions of surfaces (1)")
       ->type_name("FACTOR")
-      ->check(CLI::Range(0.01, 100.0));
+      ->check(numberFrom(0.01, 100.0));
 }
 
 int checkOutputs(const OutputOptions& options) {

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "clients/espalier/sweep/results.h"
 #include "engine/core/number_text.h"
@@ -66,6 +68,10 @@ std::optional<std::string> exportTable(const std::string& file, const std::strin
   Result<SweepResults> results = SweepResults::existing(file);
   if (!results) {
     return results.error();
+  }
+  std::error_code error;
+  if (std::filesystem::equivalent(file, output, error)) {
+    return "'" + output + "' holds the results: give the table another name, such as results.csv";
   }
   const Result<std::uint64_t> count = results->count();
   if (!count) {

@@ -188,14 +188,14 @@ class Conversation:
                 raise Refused(PARSE_ERROR, "The line is not a JSON text.") from None
             if not isinstance(message, dict) or message.get("jsonrpc") != "2.0":
                 raise Refused(INVALID_REQUEST, "Expected one object of JSON-RPC 2.0 in each line.")
-            if not isinstance(message.get("method"), str):
-                return None
-            if "id" not in message:
+            if "id" not in message or "result" in message or "error" in message:
                 return None
             identifier = message["id"]
             if isinstance(identifier, bool) or not isinstance(identifier, (str, int)):
                 identifier = None
                 raise Refused(INVALID_REQUEST, "The id of a request is a text or a whole number.")
+            if not isinstance(message.get("method"), str):
+                raise Refused(INVALID_REQUEST, "A request names its method with a text.")
             parameters = message.get("params", {})
             if not isinstance(parameters, dict):
                 raise Refused(INVALID_PARAMETERS, "params: expected an object.")
@@ -229,6 +229,8 @@ class Conversation:
             return {"content": text("\n".join([error.message, *details])), "isError": True}
         except (EspalierError, Unfit) as error:
             return {"content": text(str(error)), "isError": True}
+        except UnicodeEncodeError:
+            return {"content": text("A text has half of a character pair (\\ud800 to \\udfff). Send whole characters."), "isError": True}
 
 
 def lines(source: IO[bytes]) -> Iterator[Tuple[bytes, bool]]:
@@ -255,7 +257,8 @@ def serve(tools: Tools, source: IO[bytes], target: IO[bytes]) -> None:
             answer = {"jsonrpc": "2.0", "id": None,
                       "error": {"code": INVALID_REQUEST, "message": f"A line has {LINE_BYTES} bytes at most."}}
         if answer is not None:
-            target.write(json.dumps(answer, ensure_ascii=False).encode() + b"\n")
+            # escaped: half of a character pair cannot be written as UTF-8
+            target.write(json.dumps(answer).encode() + b"\n")
             target.flush()
 
 
