@@ -214,6 +214,12 @@ class TextbookReader {
       report_.error(statement.offset, statement.text.size(), "a setting without a value", "write it behind the name");
       return;
     }
+    const bool isOne =
+        setting.setting == Setting::Axiom || setting.setting == Setting::Angle || setting.setting == Setting::Steps;
+    if (isOne && !isSet_.insert(setting.setting).second) {
+      report_.warn(statement.offset, statement.text.size(), "'" + setting.name + "' is given once more",
+                   "the last one counts; remove the others");
+    }
     switch (setting.setting) {
       case Setting::Axiom:
         return readAxiom(setting.value, entry);
@@ -333,6 +339,8 @@ class TextbookReader {
     if (!written.empty()) {
       // read already
     } else if (written = takeFrontProbability(right); !written.empty()) {
+      // read now
+    } else if (written = takeEndProbability(right); !written.empty()) {
       // read now
     } else if (right.text.starts_with('(') && right.text.find(')') != std::string_view::npos) {
       const std::size_t end = right.text.find(')');
@@ -578,6 +586,7 @@ class TextbookReader {
   int highestLevel_ = 0;
   std::size_t recurrenceOffset_ = 0;
   bool hasNamedAxiom_ = false;
+  std::set<Setting> isSet_;  // of those that a model has once
   std::set<char> drawnLetters_;
   bool isBehind_ = false;
   bool isClockwise_ = false;

@@ -303,6 +303,16 @@ TextPiece firstPartOf(const TextPiece& text) {
   return text.to(end).trimmed();
 }
 
+// `angel: 60`: a word and a number, though no setting has that name
+bool isUnknownSetting(const TextPiece& part) {
+  const std::size_t mark = part.text.find_first_of(":=");
+  if (mark == std::string_view::npos || !textbookNumber(part.from(mark + 1).trimmed().text)) {
+    return false;
+  }
+  const std::string_view word = part.to(mark).trimmed().text;
+  return word.size() > 2 && std::all_of(word.begin(), word.end(), [](char c) { return c >= 'a' && c <= 'z'; });
+}
+
 // a line with an arrow: `axiom: F; F -> F+F; angle: 60` has three statements, `A(x); x > 2 -> F` one
 void addProductions(const TextPiece& line, std::vector<TextPiece>& statements) {
   const auto divides = [&line](const TextPiece& part, const TextPiece& rest) {
@@ -315,7 +325,7 @@ void addProductions(const TextPiece& line, std::vector<TextPiece>& statements) {
     const bool isPlain = before && before->setting != Setting::Productions;
     const bool isBegun = isPlain || arrowOf(part.text);
     const bool isHeading = setting && setting->setting == Setting::Productions && setting->name.size() > 2;
-    return isBegun && (hasArrow ? isPlain || isHeading : setting.has_value());
+    return isBegun && (hasArrow ? isPlain || isHeading : setting || (isSemicolon && isUnknownSetting(next)));
   };
   for (const TextPiece& part : partsOf(line, divides)) {
     statements.push_back(part);
@@ -355,6 +365,7 @@ std::string plainTextbook(std::string_view text) {
   blankComments(plain);
   replaceSigns(plain);
   blankOuterBraces(plain);
+  markConditions(plain);
   markEqualsRules(plain);
   return plain;
 }
@@ -655,9 +666,14 @@ std::map<std::string, std::string> textbookConstants(const std::vector<TextPiece
     if (arrowOf(statement.text)) {
       continue;
     }
-    TextPiece definition = statement;
     const bool isMacro = statement.text.starts_with("#define");
-    definition = isMacro ? statement.from(std::string_view("#define").size()).trimmed() : statement;
+    // `constants: r = 2`
+    const auto list = settingOf(statement);
+    const bool isListed =
+        list && list->setting == Setting::Sets && list->value.text.find('=') != std::string_view::npos;
+    const TextPiece definition = isMacro    ? statement.from(std::string_view("#define").size()).trimmed()
+                                 : isListed ? list->value
+                                            : statement;
     std::size_t at = 0;
     const std::string name = readTextbookName(definition.text, at);
     TextPiece value = definition.from(at).trimmed();

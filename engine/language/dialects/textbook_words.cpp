@@ -159,6 +159,38 @@ TextPiece takeFrontProbability(TextPiece& right) {
   return number;
 }
 
+void markConditions(std::string& text) {
+  std::vector<std::pair<std::size_t, std::size_t>> words;  // offset, size
+  for (const TextPiece& line : linesOf(text)) {
+    const auto arrow = arrowOf(line.text);
+    const std::string_view left = line.text.substr(0, arrow ? arrow->first : 0);
+    for (const std::string_view word : {" where ", " if ", " when "}) {
+      const std::size_t at = left.find(word);
+      if (at != std::string_view::npos && left.find_first_of("<>=", at) != std::string_view::npos &&
+          left.substr(0, at).ends_with(')')) {
+        words.emplace_back(line.offset + at + 1, word.size() - 2);
+      }
+    }
+  }
+  for (const auto& [offset, size] : words) {
+    text.replace(offset, size, ":" + std::string(size - 1, ' '));
+  }
+}
+
+TextPiece takeEndProbability(TextPiece& right) {
+  const std::size_t blank = right.text.rfind(' ');
+  // behind a colon it is read elsewhere
+  if (blank == std::string_view::npos || !right.text.ends_with('%') || right.to(blank).trimmed().text.ends_with(':')) {
+    return {};
+  }
+  const TextPiece number = right.from(blank + 1);
+  if (number.text.find_first_not_of("0123456789.%") != std::string_view::npos || !textbookNumber(number.text)) {
+    return {};
+  }
+  right = right.to(blank).trimmed();
+  return number;
+}
+
 std::set<std::string, std::less<>> textbookWords(const std::vector<TextPiece>& statements) {
   std::set<std::string, std::less<>> words;
   for (const TextPiece& statement : statements) {

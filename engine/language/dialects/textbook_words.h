@@ -34,4 +34,10 @@ namespace espalier::language {
 /// The same at the beginning of a successor: `.5 F[+F]F`.
 [[nodiscard]] TextPiece takeFrontProbability(TextPiece& right);
 
+/// The same at the end of a successor: `F[+F]F 50%`.
+[[nodiscard]] TextPiece takeEndProbability(TextPiece& right);
+
+/// Writes a colon for the word before a condition: `A(x) where x<3 → F`, also `if` and `when`.
+void markConditions(std::string& text);
+
 }  // namespace espalier::language

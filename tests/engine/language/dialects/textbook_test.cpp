@@ -290,5 +290,22 @@ TEST(Textbook, APrintedLessOrEqualBeforeThePredecessorIsAContextWithAWarning) {
   EXPECT_EQ(foreignMessages(text), Messages{"2:3: warning: '<=' is read as '<' | contexts are written l < a > r"});
 }
 
+TEST(Textbook, FormsThatWereReadSilentlyAsSomethingElse) {
+  // a typo behind a production on one line
+  EXPECT_EQ(foreignMessages("axiom: F; F -> F+F; angel: 60\n").front(),
+            "1:21: error: there is no setting 'angel' | did you mean 'angle'?");
+  // constants in a list
+  const std::string listed = cpfgText("axiom: A(1)\nconstants: r=2, s=3\nA(x) → F(x/r)A(x*s)\n");
+  EXPECT_TRUE(contains(listed, "A(x) --> F(x/2)A(x*3)\n")) << listed;
+  // a chance at the end, and conditions in words
+  const std::string chance = cpfgText("ω: A\nA → B 50%\nA → C 50%\n");
+  EXPECT_TRUE(contains(chance, "A --> B : 0.5\n")) << chance;
+  EXPECT_TRUE(contains(cpfgText("ω: A(1)\nA(x) where x<3 → A(x+1)\n"), "A(x) : x<3 --> A(x+1)\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: A(1)\nA(x) if x<3 → A(x+1)\n"), "A(x) : x<3 --> A(x+1)\n"));
+  // a setting twice
+  EXPECT_EQ(foreignMessages("ω: F\nδ = 60°\nδ = 90°\nF → FF\n"),
+            Messages{"3:1: warning: 'δ' is given once more | the last one counts; remove the others"});
+}
+
 }  // namespace
 }  // namespace espalier::language
