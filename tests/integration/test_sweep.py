@@ -171,6 +171,14 @@ class Sweep(unittest.TestCase):
     def test_a_killed_sweep_continues_and_no_run_is_lost_or_doubled(self) -> None:
         self.kill_and_continue(10)
 
+    def test_a_pipe_that_carries_something_else_says_so(self) -> None:
+        plan = self.plan(model="random.l", parameters={"P": {"uniform": [0.3, 0.6]}},
+                         measures={"n": {"count": "F"}})
+        for sent in (b"xx\n", b'{"n":1}\n', b"\xff" * 16):
+            done = subprocess.run([program(), "sweep", plan, "--pipe"], input=sent, capture_output=True, check=False, timeout=120)
+            self.assertEqual(done.returncode, 1, sent)
+            self.assertIn(b"meant for espalier.Model", done.stderr)
+
     @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes long: ./dev test --all sweep")
     def test_long_a_sweep_that_is_killed_a_hundred_times(self) -> None:
         self.kill_and_continue(100)

@@ -304,7 +304,12 @@ int runPlan(const SweepOptions& options) {
     return kFailure;
   }
   if (options.isPiped) {
-    return servePipe(*model, options.workerCount()) ? kSuccess : kFailure;
+    if (!servePipe(*model, options.workerCount())) {
+      printError(
+          "the other side of --pipe has sent a broken request, or has gone: it is meant for espalier.Model of Python");
+      return kFailure;
+    }
+    return kSuccess;
   }
   const std::optional<std::string> folder = folderOfFiles(model->plan(), options.output);
   if (!folder) {

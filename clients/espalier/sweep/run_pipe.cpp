@@ -40,11 +40,12 @@ bool servePipe(SweptModel& model, unsigned workers) {
   }
   while (true) {
     std::vector<std::uint64_t> head(2);
-    const std::size_t found = std::fread(head.data(), sizeof(head.front()), head.size(), stdin);
+    const std::size_t headBytes = head.size() * sizeof(head.front());
+    const std::size_t found = std::fread(head.data(), 1, headBytes, stdin);
     if (found == 0) {
       return true;
     }
-    if (found != head.size() || head[0] > kMostRows) {
+    if (found != headBytes || head[0] > kMostRows) {
       return false;
     }
     RunTable table{.values = {}, .seeds = {}, .columns = names.size()};
