@@ -366,9 +366,22 @@ test("the language server completes, explains, finds the definition and renames 
 
   await page.click("text=model.l");
   await page.waitForFunction(() => document.querySelector(".cm-content").textContent.includes("LENGTH"));
-  const length = await word("LENGTH", 1);
+  // when the text stands still
+  let length = await word("LENGTH", 1);
+  for (let before = null; !length || length.x !== before?.x || length.y !== before?.y; length = await word("LENGTH", 1)) {
+    before = length;
+    await page.waitForTimeout(300);
+  }
   await page.mouse.dblclick(length.x, length.y);
   await page.keyboard.type("LEN");
+  await page.waitForFunction(() => studio.document.files["model.l"].includes("A(LEN)"));
+  // on a slow machine the list may have come and gone: ask for it as a person does
+  for (let asked = 0; asked < 10 && !(await page.isVisible(".cm-tooltip-autocomplete")); ++asked) {
+    await page.waitForTimeout(1500);
+    if (!(await page.isVisible(".cm-tooltip-autocomplete"))) {
+      await page.keyboard.press("Control+Space");
+    }
+  }
   await page.waitForSelector(".cm-tooltip-autocomplete");
   await keep(page, "studio-completion");
   await page.keyboard.press("Tab");
