@@ -12,7 +12,7 @@ import { chromium } from "playwright-core";
 const here = dirname(fileURLToPath(import.meta.url));
 const program = process.env.ESPALIER_PROGRAM;
 const folder = mkdtempSync(join(tmpdir(), "espalier-"));
-const PATIENCE = { timeout: 180_000 };
+const PATIENCE = { timeout: 60_000 };
 // the browser draws without a graphics card
 const SIZE = process.env.ESPALIER_PICTURES ? { width: 1280, height: 720 } : { width: 800, height: 500 };
 
@@ -40,6 +40,9 @@ const problems = [];
 async function open(address, ready = "shown") {
   const page = await browser.newPage({ viewport: SIZE });
   page.setDefaultTimeout(PATIENCE.timeout);
+  // looks by the clock: a browser without a graphics card may stop drawing frames for a while
+  const waitForFunction = page.waitForFunction.bind(page);
+  page.waitForFunction = (look, argument, options) => waitForFunction(look, argument, { polling: 100, ...options });
   page.on("pageerror", (error) => problems.push(error.message));
   page.on("console", (message) => message.type() === "error" && problems.push(message.text()));
   await page.goto(address);
