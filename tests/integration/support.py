@@ -13,7 +13,7 @@ PACKAGE = REPOSITORY / "clients" / "python"
 EXAMPLES = PACKAGE / "examples"
 sys.path.insert(0, str(PACKAGE))
 
-SECONDS = 120
+SECONDS = 300
 
 
 def program() -> str:

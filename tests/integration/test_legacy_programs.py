@@ -97,9 +97,20 @@ class LegacyPrograms(unittest.TestCase):
         self.model.write_text("Lsystem: 1\nderivation length: 1\nAxiom: ?E(1)@M(1,2,3)?E(2)~l(3)?E(3)@Gs(4)?E(4)]?E(5)\nendlsystem\n",
                               encoding="utf-8")
         log = self.folder / "log"
+        wanted = ["E(1)@M(1,2,3)", "E(2)~l(3)", "E(3)@G", "E(4)]", "E(5)"]
+
+        def records() -> list[str]:
+            return [line.split(" ", 2)[2] for line in log.read_text(encoding="utf-8").splitlines()
+                    if " E(" in line and line[0] == ">"]
+
         self.run_field(f"height {log}")
-        records = [line.split(" ", 2)[2] for line in log.read_text(encoding="utf-8").splitlines() if " E(" in line and line[0] == ">"]
-        self.assertEqual(records, ["E(1)@M(1,2,3)", "E(2)~l(3)", "E(3)@G", "E(4)]", "E(5)"])
+        self.assertEqual(records(), wanted)
+        log.unlink()
+        # the same behind a bridge that listens
+        served = Process([program(), "environment", "legacy", "--spec", self.field(f"height {log}"), "--listen", "127.0.0.1:0"])
+        self.addCleanup(served.stop)
+        espalier("derive", str(self.model), "--environment", f"tcp://{served.first_line.split()[-1]}", "--quiet")
+        self.assertEqual(records(), wanted)
 
     def test_chunks_in_both_directions_change_nothing(self) -> None:
         wanted = self.derived("height", "", "--steps", "9")

@@ -62,22 +62,25 @@ protocol::EnvironmentStepParams toStepParams(const std::string& simulation, cons
     columns.isTransient = queries.isTransient;
   }
 
-  // the names of the context, and a name for a symbol without one
+  // the names of the context, and names that it does not have: of unknown symbols and of pairs (~x, @x)
   columns.symbols = symbols;
-  const auto standIn = [&columns, &symbols](const char* name) {
-    if (columns.symbols.size() == symbols.size()) {
-      columns.symbols.emplace_back(name);
+  const auto ownName = [&columns, &symbols](const std::string& name) {
+    const auto begin = columns.symbols.begin() + static_cast<std::ptrdiff_t>(symbols.size());
+    const auto found = std::find(begin, columns.symbols.end(), name);
+    const auto id = static_cast<std::uint32_t>(found - columns.symbols.begin());
+    if (found == columns.symbols.end()) {
+      columns.symbols.push_back(name);
     }
-    return static_cast<std::uint32_t>(symbols.size());
+    return id;
   };
   auto converted = std::make_shared<ConvertedQueries>();
   if (queries.symbol.size() == count) {
     converted->symbol.reserve(count);
     for (const core::SymbolId symbol : queries.symbol) {
-      converted->symbol.push_back(symbol < symbols.size() ? symbol : standIn("?"));
+      converted->symbol.push_back(symbol < symbols.size() ? symbol : ownName("?"));
     }
   } else {
-    converted->symbol.assign(count, standIn("E"));
+    converted->symbol.assign(count, ownName("E"));
   }
   columns.symbol = converted->symbol;
   columns.offset = queries.parameterOffset;
@@ -90,10 +93,16 @@ protocol::EnvironmentStepParams toStepParams(const std::string& simulation, cons
   columns.scale = numbersOf(queries.scale, count, needs.scale);
   if (needs.following && queries.following.size() == count && count > 0) {
     converted->following.reserve(count);
-    for (const core::SymbolId symbol : queries.following) {
-      converted->following.push_back(symbol == core::kNoSymbol ? protocol::QueryColumns::kNoSymbol
-                                     : symbol < symbols.size() ? symbol
-                                                               : standIn("?"));
+    for (std::size_t i = 0; i < count; ++i) {
+      const core::SymbolId symbol = queries.following[i];
+      const char pair = queries.followingPair.empty() ? '\0' : queries.followingPair[i];
+      if (symbol == core::kNoSymbol) {
+        converted->following.push_back(protocol::QueryColumns::kNoSymbol);
+      } else if (symbol >= symbols.size()) {
+        converted->following.push_back(ownName("?"));
+      } else {
+        converted->following.push_back(pair == '\0' ? symbol : ownName(pair + symbols[symbol]));
+      }
     }
     columns.following = converted->following;
     columns.followingOffset = queries.followingOffset;
@@ -143,8 +152,18 @@ turtle::QueryBatch toBatch(const protocol::EnvironmentStepParams& params, const 
     batch.following.assign(needs.following ? count : 0, core::kNoSymbol);
     batch.followingOffset.assign(count + 1, 0);
   } else {
+    // the second character of a pair (~x, @x) is the symbol
+    std::vector<char> pairs;
+    std::vector<std::string> names;
+    for (const std::string& name : columns.symbols) {
+      pairs.push_back(name.size() > 1 && (name[0] == '~' || name[0] == '@') ? name[0] : '\0');
+      names.push_back(pairs.back() == '\0' ? name : name.substr(1));
+    }
+    const std::vector<core::SymbolId> followingIds = idsOf(names, symbols);
     for (const std::uint32_t symbol : columns.following) {
-      batch.following.push_back(symbol == protocol::QueryColumns::kNoSymbol ? core::kNoSymbol : ids[symbol]);
+      const bool isNone = symbol == protocol::QueryColumns::kNoSymbol;
+      batch.following.push_back(isNone ? core::kNoSymbol : followingIds[symbol]);
+      batch.followingPair.push_back(isNone ? '\0' : pairs[symbol]);
     }
     batch.followingOffset.assign(columns.followingOffset.begin(), columns.followingOffset.end());
     batch.followingParameters.assign(columns.followingParameters.begin(), columns.followingParameters.end());
