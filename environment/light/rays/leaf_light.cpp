@@ -143,6 +143,19 @@ void LeafLight::measure() {
   }
 }
 
+RayDirections::Lattice LeafLight::gatheringOf(std::uint32_t triangle) const {
+  return directions_.latticeOf(surfaces_.thinningOf(triangle), surfaces_.seedOf(triangle));
+}
+
+RayDirections::Lattice LeafLight::sendingOf(std::uint32_t triangle) const {
+  if (!options_.settles) {
+    return {};
+  }
+  const unsigned thinning = surfaces_.thinningOf(triangle);
+  return triangle < surfaces_.groundBegin ? directions_.otherLatticeOf(thinning, surfaces_.seedOf(triangle))
+                                          : directions_.allLatticesOf(thinning);
+}
+
 void LeafLight::listRows(std::vector<std::uint32_t> wanted) {
   const std::size_t count = surfaces_.triangles.size();
   wanted_ = std::move(wanted);
@@ -155,8 +168,7 @@ void LeafLight::listRows(std::vector<std::uint32_t> wanted) {
   for (std::uint32_t row = 0; row < wanted_.size(); ++row) {
     const std::uint32_t triangle = wanted_[row];
     rowOf_[triangle] = row;
-    rowStart_.push_back(rowStart_.back() +
-                        directions_.latticeOf(surfaces_.thinningOf(triangle), surfaces_.seedOf(triangle)).count);
+    rowStart_.push_back(rowStart_.back() + gatheringOf(triangle).count + sendingOf(triangle).count);
   }
   hits_.assign(rowStart_.back(), kSky);
   isLit_.assign(wanted_.size() * suns_.size(), 0);
@@ -211,22 +223,26 @@ std::uint64_t LeafLight::traceRow(std::uint32_t row, const Earlier* earlier) {
     return earlier->changes.isEmpty() || earlier->changed.isFree(start, direction);
   };
   std::uint64_t kept = 0;
-  const auto lattice = directions_.latticeOf(surfaces_.thinningOf(triangle), surfaces_.seedOf(triangle));
+  const auto gathering = gatheringOf(triangle);
+  const auto sending = sendingOf(triangle);
+  const std::size_t count = gathering.count + sending.count;
   std::uint32_t* hits = hits_.data() + rowStart_[row];
   const bool isRowKept = before != RayCaster::kMiss && earlier->changes.isEmpty();
   if (isRowKept) {
-    std::copy_n(earlier->hits.data() + earlier->rowStart[before], lattice.count, hits);
-    kept += lattice.count;
+    std::copy_n(earlier->hits.data() + earlier->rowStart[before], count, hits);
+    kept += count;
   }
-  for (std::size_t i = isRowKept ? lattice.count : 0; i < lattice.count; ++i) {
-    const Vec3& direction = directions_.all()[lattice.begin + i];
+  for (std::size_t i = isRowKept ? count : 0; i < count; ++i) {
+    const bool isGathering = i < gathering.count;
+    const bool hasHit = isGathering ? options_.keepsHits && !options_.settles : true;
+    const Vec3& direction = directions_.all()[isGathering ? gathering.begin + i : sending.begin + i - gathering.count];
     const Vec3 start = starts.of(i, direction);
     if (before != RayCaster::kMiss && isKept(start, direction)) {
       const std::uint32_t hit = earlier->hits[earlier->rowStart[before] + i];
-      ESPALIER_CHECK(hit == kSky || !options_.keepsHits || earlier->changes.laterOf[hit / 2] != SurfaceChanges::kNone);
-      hits[i] = hit == kSky || !options_.keepsHits ? hit : 2 * earlier->changes.laterOf[hit / 2] + hit % 2;
+      ESPALIER_CHECK(hit == kSky || !hasHit || earlier->changes.laterOf[hit / 2] != SurfaceChanges::kNone);
+      hits[i] = hit == kSky || !hasHit ? hit : 2 * earlier->changes.laterOf[hit / 2] + hit % 2;
       ++kept;
-    } else if (!options_.keepsHits) {
+    } else if (!hasHit) {
       hits[i] = caster_.isFree(start, direction) ? kSky : 0U;
     } else {
       const RayCaster::Hit hit = caster_.firstHit(start, direction);
@@ -235,7 +251,7 @@ std::uint64_t LeafLight::traceRow(std::uint32_t row, const Earlier* earlier) {
   }
   for (std::size_t i = 0; i < suns_.size(); ++i) {
     const Vec3& direction = suns_[i].direction;
-    const Vec3 start = starts.of(i + lattice.count, direction);
+    const Vec3 start = starts.of(i + count, direction);
     std::uint8_t& isLit = isLit_[static_cast<std::size_t>(row) * suns_.size() + i];
     if (before != RayCaster::kMiss && earlier->isSameSun[i] && isKept(start, direction)) {
       isLit = earlier->isLit[before * earlier->sunCount + i];
@@ -258,7 +274,7 @@ std::vector<double> LeafLight::irradiances(std::size_t band, const std::vector<d
     inParallel(wanted_.size(), [&](std::size_t row) {
       const std::uint32_t triangle = wanted_[row];
       const std::uint32_t* hits = hits_.data() + rowStart_[row];
-      const auto lattice = directions_.latticeOf(surfaces_.thinningOf(triangle), surfaces_.seedOf(triangle));
+      const auto lattice = gatheringOf(triangle);
       std::array<double, 2> light{};
       std::array<double, 2> weights{};
       for (std::size_t i = 0; i < lattice.count; ++i) {

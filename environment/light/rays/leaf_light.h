@@ -23,7 +23,8 @@ struct LightMaterial {
 /// closed box of one radiance stays in balance to rounding.
 ///
 /// Scattering: the light that a side gets, reflected and let through, leaves both sides evenly in all directions and is
-/// gathered in the next bounce. Rays are traced once for all bands and bounces.
+/// gathered in the next bounce. Rays are traced once for all bands and bounces. settle() sends the light along rays of
+/// its own: along those that gathered it, a leaf that happens to see more of the sky would send more back there.
 ///
 /// A scene that follows another keeps the rays that cannot have changed: of triangles that were there before, those
 /// whose line misses every triangle that came or went. The light is the same, bit by bit, as that of a new LeafLight.
@@ -32,6 +33,7 @@ class LeafLight {
   struct Options {
     int directions = 128;   // of a triangle that is not thinned, over the whole sphere
     bool keepsHits = true;  // for bounces and for emitting surfaces
+    bool settles = false;   // for settle(), and then not for bounces
     unsigned threads = 1;
     std::optional<RayCaster::Repetition> repetition{};
   };
@@ -41,12 +43,6 @@ class LeafLight {
     std::vector<double> irradiance;
   };
 
-  /// The triangles of a ground under a plot that repeats itself: the last ones. All light that comes in meets a plant
-  /// or the ground.
-  struct Ground {
-    std::size_t begin = 0;  // first of its triangles
-    double incoming = 0.0;  // power of one band that comes in over the plot
-  };
   /// The light of one band when almost nothing is left of it.
   struct Balance {
     std::vector<double> irradiances;  // as irradiances() gives them
@@ -75,12 +71,13 @@ class LeafLight {
                                                 const std::vector<double>& emitted, int bounces) const;
 
   /// Irradiances with as many bounces as it takes until a part `remainder` (above 0) of the light that came in is left.
-  /// Scattered light is sent along the rays of the side that scatters it, so that none is lost or made: what comes in,
-  /// what is absorbed and what leaves balance up to the remainder. Needs keepsHits and the rays of all triangles. One
-  /// thread adds the sums in a fixed order. O(bounces · rays).
+  /// Scattered light is sent out, not gathered, so that none is lost or made: what comes in, what is absorbed and what
+  /// leaves balance up to the remainder. Needs `settles` and the rays of all triangles. One thread adds the sums in a
+  /// fixed order. O(bounces · rays). `incoming` is for a scene with a ground under a plot that repeats itself: the
+  /// power of the band that comes in over the plot, all of which meets a plant or the ground.
   [[nodiscard]] Balance settle(std::size_t band, const std::vector<double>& sky,
                                const std::vector<LightMaterial>& materials, double remainder, const core::Vec3& up,
-                               const std::optional<Ground>& ground) const;
+                               const std::optional<double>& incoming) const;
 
   /// Irradiance of a plane facing `normal` at a point, from the sky and the suns only. Its rays are not kept.
   [[nodiscard]] double irradianceAt(const core::Vec3& point, const core::Vec3& normal, std::size_t band,
@@ -96,9 +93,12 @@ class LeafLight {
   struct Earlier;
 
   void measure();
-  void giveTheGroundTheRest(const Ground& ground, const core::Vec3& up, std::vector<double>& irradiances) const;
+  void giveTheGroundTheRest(double incoming, const core::Vec3& up, std::vector<double>& irradiances) const;
   void shoot(std::size_t row, const std::vector<double>& power, const core::Vec3& up, std::vector<double>& arrived,
              Balance& balance) const;
+  /// The directions along which a triangle gathers light, and those along which settle() sends it.
+  [[nodiscard]] RayDirections::Lattice gatheringOf(std::uint32_t triangle) const;
+  [[nodiscard]] RayDirections::Lattice sendingOf(std::uint32_t triangle) const;
   void listRows(std::vector<std::uint32_t> wanted);
   [[nodiscard]] std::vector<std::uint32_t> rowsInSpace() const;
   /// Traces a row; how many of its rays were kept.
@@ -116,8 +116,8 @@ class LeafLight {
   std::vector<std::uint32_t> wanted_;
   std::vector<std::uint32_t> rowOf_;   // of a triangle; kMiss: not wanted (triangles)
   std::vector<std::size_t> rowStart_;  // of the rows in hits_, then its size (wanted + 1)
-  /// The hit of each ray of the wanted triangles: 2 · triangle + side, or kSky. Without keepsHits a hit is only told
-  /// from the sky.
+  /// The hit of each ray of the wanted triangles: 2 · triangle + side, or kSky. First those that gather, then those
+  /// that send. A hit of a ray that only gathers from the sky is only told from the sky.
   std::vector<std::uint32_t> hits_;
   std::vector<std::uint8_t> isLit_;  // by a sun (wanted, suns)
   std::uint64_t keptCount_ = 0;

@@ -16,11 +16,11 @@ constexpr int kMostRounds = 100'000;
 
 LeafLight::Balance LeafLight::settle(std::size_t band, const std::vector<double>& sky,
                                      const std::vector<LightMaterial>& materials, double remainder, const Vec3& up,
-                                     const std::optional<Ground>& ground) const {
+                                     const std::optional<double>& incoming) const {
   Balance balance;
   balance.irradiances = irradiances(band, sky, materials, {}, 0);
-  if (ground) {
-    giveTheGroundTheRest(*ground, up, balance.irradiances);
+  if (incoming) {
+    giveTheGroundTheRest(*incoming, up, balance.irradiances);
   }
   // power that leaves each side
   std::vector<double> power(balance.irradiances.size());
@@ -57,29 +57,29 @@ LeafLight::Balance LeafLight::settle(std::size_t band, const std::vector<double>
 
 /// What the plants leave of the light that comes in falls on the ground, spread as its own rays say: many leaves know
 /// it better than the few cells of the ground.
-void LeafLight::giveTheGroundTheRest(const Ground& ground, const Vec3& up, std::vector<double>& irradiances) const {
+void LeafLight::giveTheGroundTheRest(double incoming, const Vec3& up, std::vector<double>& irradiances) const {
   double plants = 0.0;
   double seen = 0.0;
   double area = 0.0;
   for (std::size_t triangle = 0; triangle < areas_.size(); ++triangle) {
     const double both = (irradiances[2 * triangle] + irradiances[2 * triangle + 1]) * areas_[triangle];
-    (triangle < ground.begin ? plants : seen) += both;
-    area += triangle < ground.begin ? 0.0 : areas_[triangle];
+    (triangle < surfaces_.groundBegin ? plants : seen) += both;
+    area += triangle < surfaces_.groundBegin ? 0.0 : areas_[triangle];
   }
-  const double rest = std::max(ground.incoming - plants, 0.0);
-  if (plants > ground.incoming) {
-    for (std::size_t side = 0; side < 2 * ground.begin; ++side) {
-      irradiances[side] *= ground.incoming / plants;
+  const double rest = std::max(incoming - plants, 0.0);
+  if (plants > incoming) {
+    for (std::size_t side = 0; side < 2 * surfaces_.groundBegin; ++side) {
+      irradiances[side] *= incoming / plants;
     }
   }
-  for (std::size_t triangle = ground.begin; triangle < areas_.size(); ++triangle) {
+  for (std::size_t triangle = surfaces_.groundBegin; triangle < areas_.size(); ++triangle) {
     const std::size_t upper = 2 * triangle + (core::dot(normals_[triangle], up) >= 0.0 ? 0U : 1U);
     irradiances[upper] = seen > 0.0 ? irradiances[upper] * (rest / seen) : rest / area;
     irradiances[upper ^ 1U] = 0.0;
   }
 }
 
-/// Sends the power of both sides of a triangle along its rays.
+/// Sends the power of both sides of a triangle along its rays for that.
 void LeafLight::shoot(std::size_t row, const std::vector<double>& power, const Vec3& up, std::vector<double>& arrived,
                       Balance& balance) const {
   const std::uint32_t triangle = wanted_[row];
@@ -87,13 +87,13 @@ void LeafLight::shoot(std::size_t row, const std::vector<double>& power, const V
   if (own[0] == 0.0 && own[1] == 0.0) {
     return;
   }
-  const auto lattice = directions_.latticeOf(surfaces_.thinningOf(triangle), surfaces_.seedOf(triangle));
+  const auto lattice = sendingOf(triangle);
   std::array<double, 2> weights{};
   for (std::size_t i = 0; i < lattice.count; ++i) {
     const double cosine = core::dot(directions_.all()[lattice.begin + i], normals_[triangle]);
     weights[cosine >= 0.0 ? 0 : 1] += std::abs(cosine);
   }
-  const std::uint32_t* hits = hits_.data() + rowStart_[row];
+  const std::uint32_t* hits = hits_.data() + rowStart_[row] + gatheringOf(triangle).count;
   for (std::size_t i = 0; i < lattice.count; ++i) {
     const Vec3& direction = directions_.all()[lattice.begin + i];
     const double cosine = core::dot(direction, normals_[triangle]);

@@ -200,6 +200,7 @@ class Light final : public turtle::EnvironmentProcess {
     while (levels_.size() <= level) {
       LeafLight::Options options{.directions = static_cast<int>(directionCount() << levels_.size()),
                                  .keepsHits = scatters(),
+                                 .settles = remainder_ > 0.0,
                                  .threads = static_cast<unsigned>(configuration_.integer("threads"))};
       const auto& plot = configuration_.numbers("plot");
       if (!plot.empty()) {
@@ -239,11 +240,9 @@ class Light final : public turtle::EnvironmentProcess {
         for (const LeafLight::Sun& sun : incoming->suns) {
           fluxes.incoming += core::dot(sun.direction, up_) * sun.irradiance[band];
         }
-        std::optional<LeafLight::Ground> ground;
-        if (hasGround) {
-          ground = LeafLight::Ground{groundBegin, fluxes.incoming * plotArea()};
-        }
-        LeafLight::Balance balance = light.settle(band, sky, materials, remainder_, up_, ground);
+        LeafLight::Balance balance =
+            light.settle(band, sky, materials, remainder_, up_,
+                         hasGround ? std::optional(fluxes.incoming * plotArea()) : std::nullopt);
         if (hasGround) {
           complete(fluxes, balance, light, plants.surfaces, materials, groundBegin);
           lit.fluxes.push_back(fluxes);
@@ -411,6 +410,7 @@ class Light final : public turtle::EnvironmentProcess {
     if (!configuration_.flag("ground") || plot.empty()) {
       return;
     }
+    surfaces.groundBegin = surfaces.triangles.size();
     const auto base = static_cast<std::uint32_t>(surfaces.vertices.size());
     const double height = configuration_.number("groundHeight");
     for (int i = 0; i <= kGroundCells; ++i) {

@@ -63,4 +63,16 @@ RayDirections::Lattice RayDirections::latticeOf(unsigned thinning, std::uint32_t
   return lattices_[firstOf_[size] + seed % (firstOf_[size + 1] - firstOf_[size])];
 }
 
+RayDirections::Lattice RayDirections::otherLatticeOf(unsigned thinning, std::uint32_t seed) const {
+  const unsigned size = std::min(thinning, lastThinning());
+  const std::uint32_t turns = firstOf_[size + 1] - firstOf_[size];
+  return lattices_[firstOf_[size] + (seed % turns + turns / 2) % turns];
+}
+
+RayDirections::Lattice RayDirections::allLatticesOf(unsigned thinning) const {
+  const unsigned size = std::min(thinning, lastThinning());
+  const Lattice& first = lattices_[firstOf_[size]];
+  return {first.begin, first.count * (firstOf_[size + 1] - firstOf_[size])};
+}
+
 }  // namespace espalier::environment

@@ -26,6 +26,10 @@ class RayDirections {
 
   /// The lattice of a triangle: `seed` chooses among those of a size. A thinning beyond the last is the last.
   [[nodiscard]] Lattice latticeOf(unsigned thinning, std::uint32_t seed) const;
+  /// Another one of the same size, half of them further on; the same when there is only one.
+  [[nodiscard]] Lattice otherLatticeOf(unsigned thinning, std::uint32_t seed) const;
+  /// All of that size, as one.
+  [[nodiscard]] Lattice allLatticesOf(unsigned thinning) const;
   /// Unit vectors of all lattices, concatenated; the first `count` are the first lattice.
   [[nodiscard]] const std::vector<core::Vec3>& all() const { return all_; }
   [[nodiscard]] std::span<const Lattice> lattices() const { return lattices_; }

@@ -18,7 +18,7 @@ bool isSame(const LightSurfaces& a, std::uint32_t i, const LightSurfaces& b, std
       return false;
     }
   }
-  return a.seedOf(i) == b.seedOf(k) && a.thinningOf(i) == b.thinningOf(k);
+  return a.seedOf(i) == b.seedOf(k) && a.thinningOf(i) == b.thinningOf(k) && (i < a.groundBegin) == (k < b.groundBegin);
 }
 
 std::uint64_t hashOf(const LightSurfaces& surfaces, std::uint32_t triangle) {

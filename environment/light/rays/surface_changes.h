@@ -18,6 +18,8 @@ struct LightSurfaces {
   /// number that belongs to the organ, not to its row of the table, lets rays be kept when organs come before it.
   std::vector<std::uint32_t> seed;
   std::vector<std::uint8_t> thinning;  // of its directions, see RayDirections (triangles; empty: 0)
+  /// First of the triangles of a ground under all plants. They are the last ones, and few for the light on them.
+  std::size_t groundBegin = std::numeric_limits<std::size_t>::max();
 
   [[nodiscard]] std::uint32_t seedOf(std::uint32_t triangle) const { return seed.empty() ? triangle : seed[triangle]; }
   [[nodiscard]] unsigned thinningOf(std::uint32_t triangle) const { return thinning.empty() ? 0U : thinning[triangle]; }

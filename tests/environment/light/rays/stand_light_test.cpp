@@ -41,16 +41,19 @@ Slab horizontalSlab(double index, double rho, double tau, double ground) {
 }
 
 TEST(StandLight, ALayerOfHorizontalLeavesScattersAsItsClosedForm) {
-  for (const auto& [rho, tau, ground] : {std::tuple{0.0735, 0.0566, 0.0}, {0.3912, 0.4146, 0.2}}) {
+  // of white leaves 0.009 more left upwards when they sent light along the rays that had gathered it; over a white
+  // ground 0.02 more came down when its squares sent light in 32 directions each
+  for (const auto& [rho, tau, ground] :
+       {std::tuple{0.0735, 0.0566, 0.0}, {0.3912, 0.4146, 0.2}, {0.5, 0.5, 0.0}, {0.5, 0.5, 1.0}}) {
     for (const std::string& light : {kSky, kSun60}) {
       Stand stand;
       stand.layer(10, 3, 2, 20'000, true);
       const auto process = openProcess("light", keys(rho, tau, ground, 10, light));
       const StandFluxes fluxes = fluxesOf(*process, stand);
       const Slab exact = horizontalSlab(2, rho, tau, ground);
-      EXPECT_NEAR(fluxes.up, exact.up, 0.01) << rho << light;
-      EXPECT_NEAR(fluxes.down, exact.down, 0.01);
-      EXPECT_NEAR(fluxes.byPlants, exact.byPlants, 0.01);
+      EXPECT_NEAR(fluxes.up, exact.up, 0.003) << rho << light;
+      EXPECT_NEAR(fluxes.down, exact.down, 0.003) << rho << light;
+      EXPECT_NEAR(fluxes.byPlants, exact.byPlants, 0.003) << rho << light;
       EXPECT_NEAR(fluxes.up + fluxes.byPlants + fluxes.byGround, 1, 1e-3);
       EXPECT_NEAR(fieldValue(*process, "leavingUp"), fluxes.up, 1e-12);
       EXPECT_NEAR(fieldValue(*process, "incoming"), 1, 1e-9);
