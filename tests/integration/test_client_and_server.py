@@ -6,12 +6,13 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 from pathlib import Path
 from typing import List
 
 from support import GALLERY, PACKAGE, SECONDS, espalier, program, strings, variables
 
-from espalier import EspalierError, Frame, Server, ServerError
+from espalier import Client, ConnectionLost, EspalierError, Frame, ModelWarning, Server, ServerError
 
 
 class ClientAndServer(unittest.TestCase):
@@ -37,6 +38,20 @@ class ClientAndServer(unittest.TestCase):
             self.client.create("Lsystem: 1\nAxiom: A\nA --> B(\nendlsystem\n")
         self.assertEqual(caught.exception.code, 1009)
         self.assertTrue(caught.exception.diagnostics)
+
+    def test_warnings_about_a_model_are_shown_where_it_is_created(self) -> None:
+        with self.assertWarnsRegex(ModelWarning, "model.l:3:9: warning: unknown name 'y'") as seen:
+            self.client.create("Lsystem: 1\nAxiom: A\nA --> A(y)\nendlsystem\n")
+        self.assertEqual(Path(seen.filename).name, Path(__file__).name)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            self.client.create("Lsystem: 1\nAxiom: A\nA --> AA\nendlsystem\n")
+
+    def test_a_closed_client_says_that_it_is_closed(self) -> None:
+        with Client(self.server.address) as client:
+            simulation = client.create(gallery="classic-algae")
+        with self.assertRaisesRegex(ConnectionLost, r"is closed on this side: close\(\) was called"):
+            simulation.step()
 
     def test_a_gallery_model_brings_its_own_environment(self) -> None:
         simulation = self.client.create(gallery="branch-tiers")

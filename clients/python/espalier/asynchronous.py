@@ -17,7 +17,7 @@ from typing import Any, AsyncIterator, Callable, Dict, List, Mapping, Optional, 
 
 from . import async_channel, client as blocking, requests, wire
 from .environment_entries import Environments, entries
-from .errors import ConnectionLost, EspalierError
+from .errors import ConnectionLost, EspalierError, warn_about
 from .hosting import CLIENT_ROLES, hello_parameters
 from .model_folder import ModelSource
 from .requests import Inbox, NewModule, Request, Result, result_of
@@ -225,6 +225,7 @@ class AsyncClient:
             save=save,
             seed=seed, name=name, derivationLength=derivation_length, parameters=parameters, limits=limits,
             world=world))
+        warn_about(created)
         return AsyncSimulation(self, str(created["simulation"]), created)
 
     @_as(blocking.Client.create_forest)
@@ -235,6 +236,7 @@ class AsyncClient:
                             world: Optional[Mapping[str, Any]] = None) -> "AsyncSimulation":
         created = await self._do(requests.create_forest(models, plants, seeds=seeds, environment=entries(environment), seed=seed,
                                                         name=name, derivationLength=derivation_length, world=world))
+        warn_about(created)
         return AsyncSimulation(self, str(created["simulation"]), created)
 
     @_as(blocking.Client.simulation)

@@ -21,7 +21,7 @@ from . import requests, tables, wire
 from .environment_entries import Environments, entries
 from .model_folder import ModelSource
 from .connecting import connect
-from .errors import ConnectionLost, EspalierError
+from .errors import ConnectionLost, EspalierError, warn_about
 from .hosting import CLIENT_ROLES, hello_parameters
 from .plotting import plotted
 from .requests import Inbox, NewModule, Request, Result, result_of
@@ -207,6 +207,7 @@ class Client:
             environment=entries(environment, getattr(self, "_offer", None)), plants=plants, save=save, seed=seed, name=name,
             derivationLength=derivation_length, parameters=parameters, limits=limits,
             world=world))
+        warn_about(created)
         return Simulation(self, str(created["simulation"]), created)
 
     def create_forest(self, models: Sequence[Mapping[str, Any]], plants: Sequence[Mapping[str, Any]], *,
@@ -226,6 +227,7 @@ class Client:
         created = self._do(requests.create_forest(models, plants, seeds=seeds,
                                                   environment=entries(environment, getattr(self, "_offer", None)),
                                                   seed=seed, name=name, derivationLength=derivation_length, world=world))
+        warn_about(created)
         return Simulation(self, str(created["simulation"]), created)
 
     def simulation(self, identifier: str) -> "Simulation":

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Optional
+import warnings
+from typing import Any, Dict, List, Mapping, Optional
 
 
 class EspalierError(Exception):
@@ -13,6 +14,18 @@ class EspalierError(Exception):
     ... except espalier.EspalierError as error:
     ...     print(str(error)[:50])
     There is no model file or folder 'no-such-model.l'
+    """
+
+
+class ModelWarning(UserWarning):
+    """A warning about a model, shown when a simulation of it is created: its place, what is wrong and what to do.
+
+    >>> import warnings
+    >>> with warnings.catch_warnings(record=True) as seen:
+    ...     warnings.simplefilter("always")
+    ...     plant = client.create("Lsystem: 1\\nAxiom: A\\nA --> A(y)\\nendlsystem\\n")
+    >>> print(str(seen[0].message).splitlines()[0])
+    model.l:3:9: warning: unknown name 'y' in the successor of A: its value is 0
     """
 
 
@@ -86,3 +99,10 @@ class ServerError(EspalierError):
         """The step that failed, when one did."""
         found = self._member("step")
         return found if isinstance(found, int) else None
+
+
+def warn_about(created: Mapping[str, Any]) -> None:
+    """Shows the warnings in the answer to a creation, at the line of the caller's caller."""
+    for diagnostic in created.get("diagnostics", []):
+        if diagnostic.get("severity") == "warning":
+            warnings.warn(str(diagnostic.get("text", "")), ModelWarning, stacklevel=3)

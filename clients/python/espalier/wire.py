@@ -6,6 +6,7 @@ protocol requires. A value therefore keeps all its bits.
 
 from __future__ import annotations
 
+import errno
 import json
 import socket
 import ssl
@@ -99,6 +100,8 @@ def nothing_answers(address: str, error: OSError) -> ConnectionLost:
 
 
 def lost(peer: str, error: OSError) -> ConnectionLost:
+    if error.errno == errno.EBADF:
+        return ConnectionLost(f"The connection to {peer} is closed on this side: close() was called. Make another client.")
     return ConnectionLost(f"The connection to {peer} is lost ({error.strerror or error}).")
 
 
