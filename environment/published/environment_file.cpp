@@ -98,17 +98,18 @@ class EnvironmentFileReader {
     file_.executable = valueLocation(line);
     file_.executable.length = static_cast<std::uint32_t>(words[0].size());
     file_.specification.clear();
+    file_.ignoredArguments.clear();
     for (std::size_t i = 1; i < words.size(); ++i) {
       static const std::vector<std::string_view> kOptions{"-e", "-k", "-ext", "-host", "-C"};
       if (std::find(kOptions.begin(), kOptions.end(), words[i]) != kOptions.end()) {
         ++i;  // its value
       } else if (words[i].front() == '-') {
-        warn(file_.executable, "option '" + words[i] + "' of the program is ignored", {});
+        ignore("option '" + words[i] + "' of the program is ignored", {});
       } else if (file_.specification.empty()) {
         file_.specification = words[i];
       } else {
-        warn(file_.executable, "argument '" + words[i] + "' of the program is ignored",
-             "one specification file is read: " + file_.specification);
+        ignore("argument '" + words[i] + "' of the program is ignored",
+               "one specification file is read: " + file_.specification);
       }
     }
   }
@@ -129,6 +130,10 @@ class EnvironmentFileReader {
     }
     file_.printed[item] = written;
     return *format;
+  }
+
+  void ignore(std::string message, std::string hint) {
+    file_.ignoredArguments.push_back({Severity::Warning, std::move(message), file_.executable, std::move(hint)});
   }
 
   void warn(const SourceLocation& location, std::string message, std::string hint) {

@@ -131,6 +131,7 @@ ProcessOrErrors makeFromFile(const std::string& file, core::FileProvider& files,
     diagnostic.location = environment.executable;
     return tl::unexpected(std::vector{std::move(diagnostic)});
   }
+  warnings.insert(warnings.end(), environment.ignoredArguments.begin(), environment.ignoredArguments.end());
   const bool isMultiple = process == &kMultipleProcess;
   if (isMultiple && isMember) {
     return failAt(environment.executable, "an environment of 'multiple' cannot be 'multiple' itself",

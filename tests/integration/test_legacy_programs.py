@@ -69,6 +69,11 @@ class LegacyPrograms(unittest.TestCase):
     def derived(self, mode: str, more: str = "", *arguments: str) -> str:
         return str(self.run_field(mode, more, *arguments).stdout)
 
+    def listen(self, mode: str, more: str = "") -> Process:
+        bridge = Process([program(), "environment", "legacy", "--spec", self.field(mode, more), "--listen", "127.0.0.1:0"])
+        self.addCleanup(bridge.stop)
+        return bridge
+
     def test_a_program_that_is_not_built_in_answers(self) -> None:
         lines = self.derived("height").splitlines()
         self.assertEqual(lines[0], "0\tF(1)A(7)?E(1,1)")
@@ -85,7 +90,20 @@ class LegacyPrograms(unittest.TestCase):
         head, second = steps[:len(DIALOGUE) - 1], steps[len(DIALOGUE) - 1:]
         for name in "12345":  # in the second step all parameters are 0
             second = second.replace(f" E({name})", " E(0)")
-        self.assertEqual(log.read_text(encoding="utf-8"), head + second + "> Control: 8 1\n< \x01\n")
+        wanted = head + second + "> Control: 8 1\n< \x01\n"
+        self.assertEqual(log.read_text(encoding="utf-8"), wanted)
+        log.unlink()
+        # the same behind a bridge that listens, which says goodbye when it is stopped at the latest
+        bridge = self.listen(f"discs {log}", "communication type: files 2\n")
+        espalier("derive", str(self.model), "--environment", f"tcp://{bridge.address}", "--compat", "cpfg", "--quiet")
+        bridge.stop()
+        self.assertEqual(log.read_text(encoding="utf-8"), wanted)
+
+    def test_the_arguments_of_a_started_program_are_its_own(self) -> None:
+        # a built-in process would ignore them, which is an error with --strict
+        done = self.run_field(f"height {self.folder / 'log'}", "", "--strict")
+        self.assertNotIn("is ignored", done.stderr)
+        self.assertEqual(done.stdout, self.derived("height"))
 
     def test_the_position_is_read_behind_the_blank_of_the_format(self) -> None:
         # a blank less, and (1,5,1) is read as (5,1,...): all three points block each other
@@ -107,9 +125,8 @@ class LegacyPrograms(unittest.TestCase):
         self.assertEqual(records(), wanted)
         log.unlink()
         # the same behind a bridge that listens
-        served = Process([program(), "environment", "legacy", "--spec", self.field(f"height {log}"), "--listen", "127.0.0.1:0"])
-        self.addCleanup(served.stop)
-        espalier("derive", str(self.model), "--environment", f"tcp://{served.first_line.split()[-1]}", "--quiet")
+        bridge = self.listen(f"height {log}")
+        espalier("derive", str(self.model), "--environment", f"tcp://{bridge.address}", "--quiet")
         self.assertEqual(records(), wanted)
 
     def test_chunks_in_both_directions_change_nothing(self) -> None:
@@ -158,11 +175,8 @@ class LegacyPrograms(unittest.TestCase):
 
     def test_offers_the_program_to_others_with_a_time_limit(self) -> None:
         wanted = espalier("derive", str(self.model), "--environment", self.field("height"), "--quiet", ALLOWED).stdout
-        served = Process([program(), "environment", "legacy", "--spec", self.field("height", "communication type: files 2\n"),
-                          "--listen", "127.0.0.1:0"])
-        self.addCleanup(served.stop)
-        address = served.first_line.split()[-1]
-        self.assertEqual(espalier("derive", str(self.model), "--environment", f"tcp://{address}", "--quiet").stdout, wanted)
+        bridge = self.listen("height", "communication type: files 2\n")
+        self.assertEqual(espalier("derive", str(self.model), "--environment", f"tcp://{bridge.address}", "--quiet").stdout, wanted)
         silent = (f"stdio:{program()} environment legacy --executable '{self.folder}/heights silent' --spec {self.field('height')} "
                   "--time-limit 0.2 --stdio")
         done = espalier("derive", str(self.model), "--environment", silent, "--quiet", status=1)

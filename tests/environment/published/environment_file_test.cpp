@@ -34,5 +34,14 @@ TEST(EnvironmentFile, OnlyOtherTypesAreRewrittenForPipes) {
   EXPECT_EQ(textForPipes("communication type:\n"), "communication type: pipes\n");
 }
 
+TEST(EnvironmentFile, ArgumentsAreIgnoredOnlyByABuiltInProcess) {
+  const EnvironmentFile file = fileOf("executable: ./tips -e m.e -v fast log\n");
+  ASSERT_EQ(file.ignoredArguments.size(), 2U);
+  EXPECT_EQ(file.ignoredArguments[0].message, "option '-v' of the program is ignored");
+  EXPECT_EQ(file.ignoredArguments[1].message, "argument 'log' of the program is ignored");
+  // the last line counts
+  EXPECT_TRUE(fileOf("executable: a -v\nexecutable: a\n").ignoredArguments.empty());
+}
+
 }  // namespace
 }  // namespace espalier::environment
