@@ -89,18 +89,40 @@ TEST_F(ConformanceCommand, NamesNonsense) {
   EXPECT_TRUE(contains(runOther("echo hello #").output,
                        "line 1 of its output is 'hello': expected '0', a TAB, and the string of step 0"));
   EXPECT_TRUE(contains(runOther("true").output, "the program prints nothing; expected 3 lines"));
-  EXPECT_TRUE(contains(runOther("./not-there").output, "the program ends with status 127: "));
-  EXPECT_TRUE(contains(runOther("echo broken >&2; exit 3 #").output, "the program ends with status 3: broken\n"));
+  EXPECT_TRUE(contains(runOther("./not-there").output, "the program ends with status 127, expected 0: "));
+  EXPECT_TRUE(
+      contains(runOther("echo broken >&2; exit 3 #").output, "the program ends with status 3, expected 0: broken\n"));
   EXPECT_TRUE(
       contains(runOther("printf \"0\\\\tA(x)\\\\n\" #").output, "actual string: 'x' in module 0 is not a number"));
   EXPECT_TRUE(contains(runOther("kill -SEGV $$ #").output, "the program ends with status 139"));
   EXPECT_TRUE(contains(runOther("yes #").output, "the program prints more than 64 MB"));
+  // control characters do not reach the terminal
+  EXPECT_TRUE(contains(runOther("printf \"\\033[2Jhi\" #").output, "line 1 of its output is '?[2Jhi': expected '0'"));
+}
+
+TEST_F(ConformanceCommand, AnEmptyCommandTestsNothing) {
+  for (const std::string option : {"--program ''", "--program ' '", "--program true --answered ''"}) {
+    const ProgramRun result = run(option);
+    EXPECT_EQ(result.status, 2) << option;
+    EXPECT_TRUE(contains(result.errors, "the command is empty: give the program to test")) << result.errors;
+  }
+}
+
+TEST_F(ConformanceCommand, FilesOfTheCommandAreThoseOfTheUsersFolder) {
+  folder_.write("good.sh", "printf '0\\tA(1)\\n1\\tA(1)B\\n2\\tA(1)BB\\n'");
+  EXPECT_EQ(runOther("sh ./good.sh").output, "passed 001-one\n1 passed, 0 failed\n");
+  EXPECT_EQ(runOther(" sh  ./good.sh {model}").status, 0);
+  // a name that the user's folder does not have is one of the case
+  EXPECT_EQ(runOther("cat ./expected.txt #").status, 0);
 }
 
 TEST_F(ConformanceCommand, SaysWhatIsWrongWithTheSuite) {
   EXPECT_EQ(run("nothing").errors,
             "error: no case has 'nothing' in its name: espalier conformance --list prints all cases\n");
   EXPECT_EQ(runProgram("conformance --cases no-folder", folder_.path()).status, 1);
+  const ProgramRun none = run("one --kind random");
+  EXPECT_EQ(none.status, 1);
+  EXPECT_TRUE(contains(none.errors, "no case of this kind has one of these names")) << none.output;
   folder_.write("cases.tsv", "001-one\tdeterministic\n");
   EXPECT_TRUE(contains(run("").errors, "cases.tsv: expected lines of case, kind, steps, tolerance, quirk and turtle"));
 }

@@ -63,7 +63,25 @@ std::optional<std::vector<ConformanceCase>> chosenCases(const ConformanceOptions
     }
   }
   std::erase_if(*cases, [&](const ConformanceCase& entry) { return !isChosen(entry, options); });
+  if (cases->empty()) {
+    printError(
+        "no case of this kind has one of these names: espalier conformance --list prints name and kind of all cases");
+    return std::nullopt;
+  }
   return cases;
+}
+
+/// A command that a shell could run; a variable of the shell may have been empty.
+std::string problemOfCommand(const std::string& command) {
+  return command.find_first_not_of(" \t\n") == std::string::npos ? "the command is empty: give the program to test"
+                                                                 : "";
+}
+
+/// A program's bytes as one may print them: control characters could change the terminal.
+std::string printable(std::string text) {
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return (c < 0x20 && c != '\n' && c != '\t') || c == 0x7F; }, '?');
+  return text;
 }
 
 conformance::ProgramCommands commandsOf(const ConformanceOptions& options) {
@@ -104,7 +122,7 @@ int runAll(const std::vector<ConformanceCase>& cases, const ConformanceOptions& 
     }
     failed += difference.empty() ? 0 : 1;
     if (!difference.empty()) {
-      std::printf("failed %s: %s\n", entry.name.c_str(), difference.c_str());
+      std::printf("failed %s: %s\n", entry.name.c_str(), printable(difference).c_str());
     } else if (!options.isQuiet) {
       std::printf("passed %s\n", entry.name.c_str());
     }
@@ -145,6 +163,7 @@ void addConformance(CLI::App& program, int& status) {
       "the first difference. The last line counts. Exit status 1 when a case fails.\n"
       "A program under test prints a line for each step from 0 on: its number, a TAB, and the string. In its command\n"
       "{model}, {view}, {environment}, {folder} and {steps} are replaced; without {model} the model is the last word.\n"
+      "It runs in the folder of the case; a file as ./run.sh is the one of your folder.\n"
       "docs/conformance.md describes the suite.\n"
       "Examples:\n"
       "  espalier conformance\n"
@@ -155,11 +174,12 @@ void addConformance(CLI::App& program, int& status) {
   CLI::Option* tested = command->add_option(
       "--program", options->program,
       "Command that prints the derived strings of a model (default: this program with --compat cpfg)");
-  tested->type_name("COMMAND");
+  tested->type_name("COMMAND")->check(problemOfCommand);
   command
       ->add_option("--answered", options->answered,
                    "Command that prints the strings after the interpretation of each step, with the answers of queries")
       ->type_name("COMMAND")
+      ->check(problemOfCommand)
       ->needs(tested);
   command
       ->add_flag("--log", options->printsLog,

@@ -24,7 +24,25 @@ std::string fileWord(const fs::path& file) {
   return quoted(fs::exists(file, error) ? file.string() : "");
 }
 
+/// A word of a command that names a file from the folder in which the user is, as `./run.sh`, gets its whole path: the
+/// command runs in the folder of a case.
+std::string withWholePaths(const std::string& command) {
+  std::string result;
+  for (std::size_t at = 0; at < command.size();) {
+    const std::size_t end = std::min(command.find_first_of(" \t\n", at), command.size());
+    const std::string word = command.substr(at, end - at);
+    std::error_code error;
+    const bool isFile = word.find('/') != std::string::npos && fs::is_regular_file(word, error);
+    result += isFile ? quoted(fs::absolute(word, error).lexically_normal().string()) : word;
+    const std::size_t next = std::min(command.find_first_not_of(" \t\n", end), command.size());
+    result += command.substr(end, next - end);
+    at = next;
+  }
+  return result;
+}
+
 std::string commandFor(std::string command, const ConformanceCase& entry, const fs::path& folder) {
+  command = withWholePaths(command);
   if (command.find("{model}") == std::string::npos) {
     command += " {model}";
   }
@@ -59,7 +77,7 @@ std::optional<std::vector<std::string>> stringsOf(const std::string& command, co
   }
   errors = run->errors;
   if (run->status != 0) {
-    problem = "the program ends with status " + std::to_string(run->status) + firstWordsOf(errors);
+    problem = "the program ends with status " + std::to_string(run->status) + ", expected 0" + firstWordsOf(errors);
     return std::nullopt;
   }
   auto strings = readSteps(run->output, problem);
