@@ -1,6 +1,6 @@
 // Panels and curves of published folders: what they read, and that an edit changes only its own bytes.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { readFileSync, readdirSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
@@ -17,6 +17,7 @@ const panel = await load("panel.ts");
 const curve = await load("curve.ts");
 const model = await load("document.ts");
 const palette = await load("palette.ts");
+const surface = await load("surface.ts");
 
 const NEW_PANEL = `target: Lsystem
 panel name: Growth
@@ -109,6 +110,35 @@ test("a control point of a function moves, and the other lines keep their bytes"
   const line = curve.spline(read);
   assert.deepEqual([line[0], line.at(-1)], [[0, 0.75], [1, 0.12]]);
   assert.equal(curve.parseCurve("a.l", text), null);
+});
+
+test("every surface file opens, and a control point that moves changes only its own numbers", () => {
+  const folders = ["../../gallery", "../../../tests/conformance/cases", "../../../tests/gltf"].map((name) => join(here, name));
+  const files = folders.flatMap((folder) => readdirSync(folder, { recursive: true }).filter((name) => name.endsWith(".s")).map((name) => join(folder, name)));
+  assert.ok(files.length >= 4, `${files.length} files`);
+  for (const file of files) {
+    const text = readFileSync(file, "utf8");
+    const read = surface.parseSurface(file, text);
+    assert.ok(read, file);
+    // nothing moves: nothing is written
+    for (const { points } of read.patches) {
+      points.forEach((point) => assert.equal(surface.withPoints(text, surface.pointsAt(read, point.place), point.place), text));
+    }
+    const [point] = read.patches[0].points.slice(5);
+    const moved = surface.withPoints(text, [point], [point.place[0], 7.25, point.place[2]]);
+    const differ = moved.split("\n").filter((line, i) => line !== text.split("\n")[i]);
+    assert.equal(differ.length, 1, file);
+    assert.deepEqual(surface.parseSurface(file, moved).patches[0].points[5].place, [point.place[0], 7.25, point.place[2]]);
+    // corners of the grid are corners of the patch
+    const rows = surface.samplesOf(read.patches[0].points, 4);
+    assert.deepEqual([rows[0][0], rows[4][4]], [read.patches[0].points[0].place, read.patches[0].points[15].place]);
+  }
+  const leaf = readFileSync(join(folders[0], "lilac/leaf.s"), "utf8");
+  assert.equal(surface.parseSurface("leaf.s", leaf.replace("HEADING", "HEADNG")), null);
+  assert.equal(surface.parseSurface("leaf.l", leaf), null);
+  const tip = surface.parseSurface("leaf.s", leaf);
+  const changed = surface.withPoints(leaf, surface.pointsAt(tip, [0, 1, -0.14]), [0, 0.9, -0.14]);
+  assert.equal(changed, leaf.replace(/0 1 -0\.14/g, "0 0.9 -0.14"));
 });
 
 test("sliders are made for numeric macros only, and write a number as it was meant", () => {

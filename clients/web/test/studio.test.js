@@ -1,91 +1,15 @@
-// The studio in Chromium, at a real server. ESPALIER_PROGRAM and ESPALIER_CHROMIUM name the programs; ESPALIER_PICTURES a folder
-// for pictures of the pages.
+// The studio in Chromium, at a real server.
 import assert from "node:assert/strict";
-import { spawn, spawnSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { spawnSync } from "node:child_process";
+import { readFileSync } from "node:fs";
 import { dirname, join } from "node:path";
-import { after, before, test } from "node:test";
+import { test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { chromium } from "playwright-core";
+import { PATIENCE, derived, folder, keep, lineAt, open, problems, program, running, serve, shown, stopped, stringOf } from "./pages.js";
 
+/** A model of few modules, where the plant does not matter: a browser without a graphics card draws slowly. */
+const SMALL = (address = running.address) => `${address}/#gallery=branch-tiers`;
 const here = dirname(fileURLToPath(import.meta.url));
-const program = process.env.ESPALIER_PROGRAM;
-const folder = mkdtempSync(join(tmpdir(), "espalier-"));
-const PATIENCE = { timeout: 60_000 };
-// the browser draws without a graphics card
-const SIZE = process.env.ESPALIER_PICTURES ? { width: 1280, height: 720 } : { width: 800, height: 500 };
-
-function serve(http = "127.0.0.1:0", ...more) {
-  const gallery = join(here, "../../gallery");
-  const server = spawn(program, ["serve", "--listen", "127.0.0.1:0", "--http", http, "--gallery", gallery, "--log-level", "off", ...more]);
-  return new Promise((ready) => {
-    let text = "";
-    server.stdout.on("data", (chunk) => {
-      text += chunk;
-      const found = /http on (\S+)\n/.exec(text);
-      if (found) {
-        ready({ server, address: `http://${found[1]}` });
-      }
-    });
-  });
-}
-
-const stopped = (child) => new Promise((done) => (child.exitCode === null ? (child.once("exit", done), child.kill()) : done()));
-
-let running;
-let browser;
-const problems = [];
-
-async function open(address, ready = "shown") {
-  const page = await browser.newPage({ viewport: SIZE });
-  page.setDefaultTimeout(PATIENCE.timeout);
-  // looks by the clock: a browser without a graphics card may stop drawing frames for a while
-  const waitForFunction = page.waitForFunction.bind(page);
-  page.waitForFunction = (look, argument, options) => waitForFunction(look, argument, { polling: 100, ...options });
-  page.on("pageerror", (error) => problems.push(error.message));
-  page.on("console", (message) => message.type() === "error" && problems.push(message.text()));
-  await page.goto(address);
-  if (ready === "shown") {
-    await shown(page);
-  }
-  return page;
-}
-
-/** Waits until the plant is derived and drawn. */
-const shown = (page) =>
-  page.waitForFunction(() => studio.counts.waiting === 0 && studio.simulation && studio.isFinished && document.getElementById("plant").dataset.step === String(studio.step), null, PATIENCE);
-
-async function keep(page, name) {
-  if (process.env.ESPALIER_PICTURES) {
-    await page.screenshot({ path: join(process.env.ESPALIER_PICTURES, `${name}.png`) });
-  }
-}
-
-const stringOf = (page) => page.evaluate(() => studio.simulation.string());
-
-/** The string that the command line derives from the files of the page. */
-async function derived(page) {
-  const { files, main, seed } = await page.evaluate(() => ({ files: studio.document.files, main: studio.document.main, seed: studio.seed }));
-  for (const [name, text] of Object.entries(files)) {
-    writeFileSync(join(folder, name), text);
-  }
-  const made = spawnSync(program, ["derive", join(folder, main), "--seed", String(seed)], { encoding: "utf8", maxBuffer: 1e9 });
-  return made.stdout.trim();
-}
-
-before(async () => {
-  running = await serve();
-  browser = await chromium.launch({
-    executablePath: process.env.ESPALIER_CHROMIUM,
-    args: ["--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-  });
-});
-after(async () => {
-  await browser.close();
-  await stopped(running.server);
-  rmSync(folder, { recursive: true });
-});
 
 test("a gallery model grows, with few draw calls and 32 bytes a segment", async () => {
   const page = await open(`${running.address}/#gallery=parametric-tree`);
@@ -296,7 +220,7 @@ test("the growth is saved as a film, and a photograph stands behind the plant at
 });
 
 test("a model is written, broken, and mended by its hint", async () => {
-  const page = await open(`${running.address}/#gallery=classic-weed`);
+  const page = await open(SMALL());
   await page.click("#open-gallery");
   await page.click("text=New model");
   await page.waitForFunction(() => studio.document.title === "untitled");
@@ -326,7 +250,7 @@ test("a model is written, broken, and mended by its hint", async () => {
 });
 
 test("the language server completes, explains, finds the definition and renames in all files of the model", async () => {
-  const page = await open(running.address);
+  const page = await open(SMALL());
   await page.evaluate(() => studio.openDocument({
     title: "helped", main: "model.l", binary: {}, environment: null, gallery: null,
     files: {
@@ -396,20 +320,7 @@ test("a click explains a module as the command line does, and prunes there", asy
   const page = await open(`${running.address}/#gallery=classic-weed`);
   await page.evaluate(() => studio.goTo(studio.length - 1));
   await page.waitForFunction(() => document.getElementById("plant").dataset.step === String(studio.step));
-  await page.waitForFunction(() => {
-    // a place where a line is
-    const { left, top, width, height } = document.querySelector("#plant canvas").getBoundingClientRect();
-    for (let y = top + height * 0.3; y < top + height * 0.8; y += 4) {
-      const x = left + width / 2;
-      // and no button above it
-      if (document.elementFromPoint(x, y)?.tagName === "CANVAS" && studio.view.pickAt(x, y)) {
-        window.place = { x, y };
-        return true;
-      }
-    }
-    return false;
-  });
-  const place = await page.evaluate(() => window.place);
+  const place = await lineAt(page);
   await page.mouse.click(place.x, place.y);
   await page.waitForFunction(() => document.getElementById("explanation")?.textContent.startsWith("Step "));
   const { module, step, seed } = await page.evaluate(() => ({ module: studio.picked.module, step: studio.step, seed: studio.seed }));
@@ -427,7 +338,7 @@ test("the page watches what another program does, and lives through a new start 
   const data = join(folder, "data");
   const first = await serve("127.0.0.1:0", "--data", data);
   const { host } = new URL(first.address);
-  const page = await open(first.address);
+  const page = await open(SMALL(first.address));
   const made = await page.evaluate(async () => {
     const watched = await studio.simulation.client.create({ model: { gallery: "classic-weed" }, seed: 1 });
     await watched.step(2);
@@ -467,7 +378,7 @@ test("the page watches what another program does, and lives through a new start 
 
 test("a server with a token asks for it", async () => {
   const closed = await serve("127.0.0.1:0", "--token", "secret words");
-  const page = await open(closed.address, "");
+  const page = await open(SMALL(closed.address), "");
   await page.waitForSelector("#token-form");
   assert.match(await page.textContent("#token-form"), /needs a token/);
   await page.fill("#token", "wrong");
@@ -481,7 +392,7 @@ test("a server with a token asks for it", async () => {
 });
 
 test("axe finds nothing serious, in light and dark, and the keyboard reaches everything", async () => {
-  const page = await open(`${running.address}/#gallery=classic-weed`);
+  const page = await open(SMALL());
   for (const theme of ["light", "dark"]) {
     // the policy of the page allows no other script; the browser's own channel runs it
     await page.evaluate(readFileSync(join(here, "../node_modules/axe-core/axe.min.js"), "utf8"));

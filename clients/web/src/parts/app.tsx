@@ -1,6 +1,7 @@
 // The whole page.
 import { useEffect, useReducer, useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
+import { onNextFrame } from "../view/frames.js";
 import { ExportDialog, GalleryDialog, HelpDialog, ShareDialog } from "./dialogs.js";
 import { IconButton } from "./icons.js";
 import { Side } from "./side.js";
@@ -34,7 +35,7 @@ export function App({ studio }: { studio: Studio }) {
     const end = studio.subscribe(() => {
       if (!isWaiting) {
         isWaiting = true;
-        requestAnimationFrame(() => {
+        onNextFrame(() => {
           isWaiting = false;
           redraw(undefined);
         });
@@ -162,6 +163,7 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
     3: () => studio.view?.look("top"),
     c: () => setMode(studio, modes[(modes.indexOf(studio.view!.settings.mode) + 1) % modes.length]),
     g: () => setOpen("gallery"),
+    b: () => (studio.beside.growth ? studio.beside.close() : studio.beside.fork()),
     v: () => setOpen("variations"),
     s: () => setOpen("export"),
     l: () => setOpen("share"),
@@ -174,7 +176,7 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
   const action = actions[event.key] ?? actions[event.key.toLowerCase()];
   const isOfSlider = isSlider && /^(Arrow|Home|End)/.test(event.key);
   const isOfButton = event.key === " " && target.closest("button, summary, a, input:not([type=range])");
-  const needsPlant = /^( |Arrow|Home|End|[rv]$)/.test(event.key);
+  const needsPlant = /^( |Arrow|Home|End|[brv]$)/.test(event.key);
   if (action && !isOfSlider && !isOfButton && !(needsPlant && (!studio.simulation || studio.isReadOnly))) {
     act(action);
   }

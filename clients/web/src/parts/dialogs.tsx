@@ -221,6 +221,7 @@ export const KEYS: Array<[string, string]> = [
   ["1, 2, 3", "look from the front, the right, the top"],
   ["C", "next way to colour"],
   ["G", "gallery"],
+  ["B", "a second plant beside, from this step; without it"],
   ["V", "table of variations"],
   ["S", "save"],
   ["L", "link to this model"],

@@ -5,6 +5,7 @@ const PATHS: Record<string, string> = {
   step: "M6 5v14l9-7zM16.5 5H19v14h-2.5z",
   back: "M18 5v14l-9-7zM7.5 5H5v14h2.5z",
   first: "M19 5v14l-8-7zM11 5v14l-8-7zM3 5h0",
+  fork: "M12 20v-7M12 13C12 9 7 10 7 5M12 13c0-4 5-3 5-8M4.5 7L7 4.500 9.500 7M14.500 7L17 4.500 19.500 7",
   gallery: "M4 4h7v7H4zM13 4h7v7h-7zM4 13h7v7H4zM13 13h7v7h-7z",
   fit: "M4 9V4h5v2H6v3zM15 4h5v5h-2V6h-3zM4 15h2v3h3v2H4zM18 15h2v5h-5v-2h3z",
   share: "M15 8l-6 3.5M9 13l6 3.5M17.5 9a2.5 2.5 0 100-5 2.5 2.5 0 000 5zM6.5 14.7a2.5 2.5 0 100-5 2.5 2.5 0 000 5zM17.5 20a2.5 2.5 0 100-5 2.5 2.5 0 000 5z",
@@ -16,7 +17,7 @@ const PATHS: Record<string, string> = {
   plus: "M12 5v14M5 12h14",
   dice: "M5 5h14v14H5zM9 9h.01M15 9h.01M12 12h.01M9 15h.01M15 15h.01",
 };
-const LINES = new Set(["share", "save", "help", "moon", "sun", "close", "plus", "dice"]);
+const LINES = new Set(["fork", "share", "save", "help", "moon", "sun", "close", "plus", "dice"]);
 
 export function Icon({ name }: { name: string }) {
   const isLine = LINES.has(name);

@@ -5,6 +5,7 @@ import { View } from "../view/scene.js";
 import type { ColourMode } from "../view/colours.js";
 import { withMoved } from "../view/surroundings.js";
 import { IconButton } from "./icons.js";
+import { BesideStage } from "./beside.js";
 import { Photograph } from "./photograph.js";
 
 export const MODES: Array<[ColourMode, string]> = [
@@ -126,7 +127,7 @@ export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }
   const settings = studio.view?.settings;
   const figures = studio.view?.surroundings.figures();
   return (
-    <div class="stage">
+    <div class={`stage ${studio.beside.growth ? "two" : ""}`}>
       <div id="plant" ref={place} role="img" aria-label={`The plant at step ${studio.step}`} />
       {problem && <p class="cover">{problem}</p>}
       {settings && (
@@ -145,6 +146,7 @@ export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }
           <IconButton icon="fit" label="Show the whole plant (F)" onClick={() => studio.view!.fit()} />
         </div>
       )}
+      {studio.beside.growth && <BesideStage studio={studio} />}
       <Photograph studio={studio} />
       <LegendBox studio={studio} />
       <ScaleBar studio={studio} />

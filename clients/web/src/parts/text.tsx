@@ -4,10 +4,12 @@ import type { Diagnostic } from "espalier";
 import type { Studio } from "../studio/studio.js";
 import { fileOf } from "../studio/document.js";
 import { parseCurve } from "../studio/curve.js";
+import { parseSurface } from "../studio/surface.js";
 import { Editor, remedyOf } from "./editor.js";
 import { Graph } from "./graph.js";
 import { IconButton } from "./icons.js";
 import { LanguageHelp } from "./language_help.js";
+import { SurfaceBoard } from "./surface_board.js";
 
 /** Files in the order in which a person needs them: the model, its view, the rest. */
 function ordered(studio: Studio): string[] {
@@ -45,6 +47,7 @@ export function TextPane({ studio }: { studio: Studio }) {
   useEffect(() => void editor.current?.show(document.title, openFile, document.files[openFile] ?? ""), [document, openFile]);
   useEffect(() => editor.current?.mark(diagnostics), [diagnostics, openFile]);
   const curve = parseCurve(openFile, document.files[openFile] ?? "");
+  const surface = parseSurface(openFile, document.files[openFile] ?? "");
   const fileOfProblem = (one: Diagnostic) => (one.file ?? "").split("/").pop()!;
   // the editor shows the file of a problem first
   const atProblem = (one: Diagnostic, act: () => void) => {
@@ -75,6 +78,7 @@ export function TextPane({ studio }: { studio: Studio }) {
       </div>
       <div class="editor">
         {curve && <Graph studio={studio} file={openFile} curve={curve} />}
+        {surface && <SurfaceBoard key={openFile} studio={studio} file={openFile} surface={surface} />}
         <div class="code" ref={place} />
       </div>
       <div class="problems" aria-label="Problems">

@@ -17,15 +17,17 @@ export function Timeline({ studio }: { studio: Studio }) {
         <IconButton id="run" class="primary" icon={isRunning ? "pause" : "play"} label={isRunning ? "Pause (Space)" : "Run (Space)"} disabled={!has}
           onClick={() => void studio.act(() => (isRunning ? studio.pause() : studio.run()))} />
         <IconButton id="step" icon="step" label="One step (→)" disabled={!has || isRunning} onClick={() => void studio.act(() => studio.stepOnce())} />
+        {!studio.beside.growth && (
+          <IconButton id="fork" icon="fork" label="A second plant beside, from this step (B)" disabled={!has || isRunning || !isOwn} onClick={() => void studio.act(() => studio.beside.fork())} />
+        )}
         <input id="scrub" type="range" min={0} max={Math.max(length, step, 1)} step={1} value={step} disabled={!has || isRunning || !isOwn}
           aria-label="Step" onInput={(event) => void studio.act(() => studio.goTo(Number(event.currentTarget.value)))} />
         {studio.recording && <button type="button" id="stop-film" class="recording" onClick={() => studio.recording?.abort()}>Stop recording</button>}
         <output id="state" aria-live="polite">
           step {step} of {Math.max(length, step)}{isFinished ? ", finished" : ""}
         </output>
-        <label class="inline">
-          pace
-          <select value={studio.pace} onChange={(event) => { studio.pace = Number(event.currentTarget.value); studio.changed(); }}>
+        <label class="inline" title="Pace of a run">
+          <select aria-label="Pace of a run" value={studio.pace} onChange={(event) => { studio.pace = Number(event.currentTarget.value); studio.changed(); }}>
             <option value={0}>fast</option>
             <option value={80}>12 a second</option>
             <option value={250}>4 a second</option>

@@ -1,4 +1,5 @@
 // The growth of a plant as a film: the view draws each step, and the browser records it.
+import { nextFrame } from "../view/frames.js";
 import type { Studio } from "./studio.js";
 
 const FRAME_MILLISECONDS = 100;
@@ -48,7 +49,7 @@ export async function filmGrowth(studio: Studio, signal: AbortSignal): Promise<B
 async function drawn(studio: Studio, step: number, signal: AbortSignal): Promise<void> {
   const { element } = studio.view!;
   while (element.dataset.step !== String(step) && studio.simulation && !signal.aborted) {
-    await new Promise((done) => requestAnimationFrame(done));
+    await nextFrame();
   }
   studio.view!.drawNow();
 }

@@ -16,6 +16,12 @@ export class History {
     this.characters = 0;
   }
 
+  copy(): History {
+    const other = new History();
+    this.states.forEach(({ step, snapshot }) => other.add(step, snapshot));
+    return other;
+  }
+
   has(step: number): boolean {
     return this.states.some((state) => state.step === step);
   }

@@ -1,11 +1,14 @@
 // The state of the studio: a connection, a document, its simulation, and what the page shows of them.
 import { Code, ServerError, connect } from "espalier";
 import type { Client, Diagnostic, Information, Simulation, Statistics, Stream } from "espalier";
+import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { ModelPalette } from "../view/colours.js";
 import type { Picked } from "../view/measures.js";
 import { definesOfDocument, fileOf, modelOf, newDocument, numberText } from "./document.js";
 import type { Define, Document } from "./document.js";
+import { Beside } from "./beside.js";
+import type { Growth } from "./beside.js";
 import { Extras } from "./extras.js";
 import { History } from "./history.js";
 import { folderPalette } from "./palette.js";
@@ -51,6 +54,7 @@ export class Studio {
   view: View | null = null;
   recording: AbortController | null = null; // of a film
   readonly extras = new Extras(this);
+  readonly beside = new Beside(this);
   held: Promise<void> | null = null; // frames wait for it
   /** Called when there is a connection, and when there is one again. */
   onConnected: () => void = () => {};
@@ -62,7 +66,7 @@ export class Studio {
 
   private client!: Client;
   private token = "";
-  private readonly history = new History();
+  private history = new History();
   private readonly listeners = new Set<() => void>();
   private streams: Array<Stream<"columns"> | Stream<"statistics">> = [];
   private work: Promise<void> = Promise.resolve(); // requests that change the simulation, one after the other
@@ -322,7 +326,7 @@ export class Studio {
   // ---- the simulation
 
   /** Work that changes the simulation waits for the work before it. */
-  private inTurn(work: () => Promise<void>): Promise<void> {
+  inTurn(work: () => Promise<void>): Promise<void> {
     ++this.counts.waiting;
     const mine = this.work.then(work).finally(() => --this.counts.waiting);
     this.work = mine.catch(() => {});
@@ -351,6 +355,9 @@ export class Studio {
       this.diagnostics = simulation.created!.diagnostics;
       const isAgain = old !== null && this.shownTitle === document.title;
       this.shownTitle = document.title;
+      if (!isAgain) {
+        await this.beside.close();
+      }
       const grow = async () => {
         await this.show(simulation, true, !isAgain);
         if (old) {
@@ -360,6 +367,20 @@ export class Studio {
       };
       await (isAgain ? this.hold(grow) : grow());
     });
+  }
+
+  /** The plant that is shown, with its past. */
+  growth(): Growth {
+    const { document, isChanged, seed, step, length, isFinished, statistics, history, palette } = this;
+    return { simulation: this.simulation!, document, isChanged, seed, step, length, isFinished, statistics, history, palette };
+  }
+
+  /** Shows another plant of this page, with its past. */
+  async take({ simulation, palette: _, ...past }: Growth): Promise<void> {
+    this.document = past.document;
+    await this.show(simulation, true, false);
+    Object.assign(this, past);
+    this.changed();
   }
 
   /** Shows a simulation that another program made. */
@@ -429,7 +450,7 @@ export class Studio {
         this.view.element.dataset.step = String(frame.step);
       }
       // one picture, then the next frame; while a slider's plant is made no frame is asked for
-      await new Promise((drawn) => requestAnimationFrame(drawn));
+      await nextFrame();
     }
     this.ended(stream);
   }
@@ -512,6 +533,7 @@ export class Studio {
       this.step = result.step;
       this.isFinished = result.finished;
       await this.keep(simulation);
+      await this.beside.follow(this.step);
     });
   }
 
@@ -527,9 +549,10 @@ export class Studio {
         const begin = performance.now();
         await this.inTurn(async () => {
           await this.advance(this.step + 1);
+          await this.beside.follow(this.step);
         });
         const rest = Math.max(this.pace - (performance.now() - begin), 0);
-        await new Promise((done) => (rest > 4 ? setTimeout(done, rest) : requestAnimationFrame(done)));
+        await (rest > 4 ? new Promise((done) => setTimeout(done, rest)) : nextFrame());
       }
     } finally {
       this.isRunning = false;
@@ -561,6 +584,7 @@ export class Studio {
         this.statistics = figures;
       }
       await this.advance(target);
+      await this.beside.follow(this.step);
     });
   }
 

@@ -23,6 +23,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Geometry, GeometryChange, TurtleTable } from "espalier";
 import { painting } from "./colours.js";
 import type { Births, ColourMode, Legend, ModelPalette } from "./colours.js";
+import { onNextFrame } from "./frames.js";
 import { boundsOf, pick } from "./measures.js";
 import { freeObject, texturesOf } from "./objects.js";
 import type { Picked } from "./measures.js";
@@ -69,6 +70,7 @@ export class View {
   private isDrawing = false;
   private isTurned = false; // by a person, who does not want it turned back
   private other: Object3D | null = null; // an object of a file instead of the columns
+  private partner: View | null = null; // it is looked at from the same place
 
   constructor(
     readonly element: HTMLElement,
@@ -79,8 +81,16 @@ export class View {
     this.renderer.shadowMap.type = PCFShadowMap;
     element.append(this.renderer.domElement);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
-    this.controls.addEventListener("change", () => this.draw());
-    this.controls.addEventListener("start", () => (this.isTurned = true));
+    this.controls.addEventListener("change", () => {
+      this.partner?.lookAs(this);
+      this.draw();
+    });
+    this.controls.addEventListener("start", () => {
+      this.isTurned = true;
+      if (this.partner) {
+        this.partner.isTurned = true;
+      }
+    });
     this.sun.shadow.mapSize.set(2048, 2048);
     this.sun.shadow.radius = 5;
     this.sun.shadow.intensity = 0.75;
@@ -225,7 +235,7 @@ export class View {
   draw(): void {
     if (!this.isDrawing) {
       this.isDrawing = true;
-      requestAnimationFrame(() => {
+      onNextFrame(() => {
         this.isDrawing = false;
         this.drawNow();
       });
@@ -271,8 +281,37 @@ export class View {
     }
   }
 
+  /** Two views look from the same place from now on, and show both plants as a whole; null ends that. */
+  pairWith(other: View | null): void {
+    if (this.partner) {
+      this.partner.partner = null;
+    }
+    this.partner = other;
+    if (other) {
+      other.partner = this;
+      other.fitted = this.fitted;
+      other.isTurned = this.isTurned;
+      other.lookAs(this);
+    }
+  }
+
+  private lookAs({ camera, controls }: View): void {
+    this.camera.position.copy(camera.position);
+    this.camera.quaternion.copy(camera.quaternion);
+    this.camera.near = camera.near;
+    this.camera.far = camera.far;
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(controls.target);
+    this.draw();
+  }
+
+  /** Of the plants of this view and of the one beside it. */
+  private get wholeBounds(): Box3 {
+    return this.partner ? this.bounds.clone().union(this.partner.bounds) : this.bounds;
+  }
+
   /** Places the camera so that the whole box is visible; it keeps its direction. */
-  fit(box = this.bounds): void {
+  fit(box = this.wholeBounds): void {
     if (box.isEmpty()) {
       return;
     }
@@ -291,17 +330,22 @@ export class View {
     this.camera.updateProjectionMatrix();
     this.controls.target.copy(centre);
     this.controls.update();
+    this.partner?.lookAs(this);
     this.draw();
   }
 
   /** Moves back when the plant has grown beyond what was fitted. */
   private fitGrown(isLast: boolean): void {
     const isLoose = isLast && !this.isTurned;
-    if (!this.bounds.isEmpty() && (isLoose || !this.fitted || !this.fitted.containsBox(this.bounds))) {
+    const bounds = this.wholeBounds;
+    if (!bounds.isEmpty() && (isLoose || !this.fitted || !this.fitted.containsBox(bounds))) {
       // a margin for the next steps
-      const box = this.fitted && !isLast ? this.bounds.clone().expandByVector(this.bounds.getSize(new Vector3()).multiplyScalar(0.1)) : this.bounds.clone();
+      const box = this.fitted && !isLast ? bounds.clone().expandByVector(bounds.getSize(new Vector3()).multiplyScalar(0.1)) : bounds.clone();
       this.fit(box);
       this.fitted = box;
+      if (this.partner) {
+        this.partner.fitted = box;
+      }
     }
   }
 
@@ -431,6 +475,7 @@ export class View {
 
   /** Frees the canvas; browsers allow few. */
   dispose(): void {
+    this.pairWith(null);
     this.controls.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss();

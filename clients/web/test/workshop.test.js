@@ -1,0 +1,83 @@
+// The studio in Chromium, at a real server: two plants beside each other, and editors of files.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { keep, lineAt, open, problems, running, shown, stringOf } from "./pages.js";
+
+test("a fork stands beside the plant: both make the same steps, one camera looks at both, and a cut is seen in one", async () => {
+  const page = await open(`${running.address}/#gallery=parametric-tree`);
+  const last = await page.evaluate(() => studio.step);
+  const whole = await stringOf(page);
+  await page.evaluate(() => studio.goTo(studio.length - 2));
+  await page.keyboard.press("b");
+  const beside = (step) => page.waitForFunction((wanted) => document.getElementById("plant-beside")?.dataset.step === String(wanted), step);
+  await beside(last - 2);
+  // a cut in the middle of the first one
+  const place = await lineAt(page);
+  await page.mouse.click(place.x, place.y);
+  await page.click("#prune");
+  await page.waitForFunction(() => studio.counts.waiting === 0 && studio.picked === null);
+  await page.evaluate(() => studio.goTo(studio.length));
+  await beside(last);
+  const string = () => page.evaluate(() => studio.beside.growth.simulation.string());
+  assert.equal(await string(), whole);
+  assert.notEqual(await stringOf(page), whole);
+  await keep(page, "studio-fork");
+  // one camera
+  const right = await page.locator("#plant-beside").boundingBox();
+  await page.mouse.move(right.x + 80, right.y + 120);
+  await page.mouse.down();
+  await page.mouse.move(right.x + 130, right.y + 130, { steps: 3 });
+  await page.mouse.up();
+  await page.waitForFunction(() => Math.abs(studio.view.camera.position.x - studio.view.controls.target.x) > 0.01);
+  assert.ok(await page.evaluate(() => studio.view.camera.position.distanceTo(studio.beside.view.camera.position) < 1e-9));
+  // back, and the other one is worked on
+  await page.evaluate(() => studio.goTo(studio.length - 1));
+  await beside(last - 1);
+  await page.click("#swap");
+  await page.waitForFunction(() => studio.counts.waiting === 0);
+  await page.evaluate(() => studio.goTo(studio.length));
+  await page.waitForFunction(async (wanted) => studio.counts.waiting === 0 && (await studio.simulation.string()) === wanted, whole);
+  await page.keyboard.press("b");
+  await page.waitForFunction(() => !document.getElementById("plant-beside"));
+  await page.waitForFunction(async () => (await studio.list(), !studio.simulations.some(({ name }) => name.includes("fork"))));
+  await page.close();
+});
+
+test("a control point of a surface is dragged: its line of the file changes, and the leaves of the plant", async () => {
+  const page = await open(`${running.address}/#gallery=branch-tiers`);
+  await page.evaluate(async () => {
+    const lilac = await studio.client.call("model.read", { gallery: "lilac" });
+    const files = { "leaves.l": "Lsystem: 1\nderivation length: 1\nAxiom: ~l\nendlsystem\n", "leaves.v": "surface: l leaf.s 1\n", "leaf.s": lilac.files["leaf.s"] };
+    await studio.openDocument({ title: "leaves", main: "leaves.l", files, binary: {}, environment: null, gallery: null });
+  });
+  await shown(page);
+  const original = await page.evaluate(() => studio.document.files["leaf.s"]);
+  const highest = () => page.evaluate(() => Math.max(...studio.view.geometry.vertices.column("Position").filter((_, i) => i % 3 === 1)));
+  const before = await highest();
+  await page.click("text=leaf.s");
+  await page.waitForSelector(".surface circle");
+  assert.equal(await page.locator(".surface circle").count(), 16);
+  // looked at, and not written
+  await page.click("text=oblique");
+  assert.equal(await page.evaluate(() => studio.document.files["leaf.s"]), original);
+  await page.click("text=front");
+  await keep(page, "studio-surface");
+  // the tip is four points at one place: they move together
+  const place = await page.locator(".surface circle[aria-label='Point 16 of blade']").boundingBox();
+  await page.mouse.move(place.x + place.width / 2, place.y + place.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(place.x + place.width / 2, place.y + place.height / 2 + 20, { steps: 3 });
+  await page.mouse.up();
+  await page.waitForFunction((text) => studio.document.files["leaf.s"] !== text && !studio.isFollowing && studio.counts.waiting === 0, original);
+  await shown(page);
+  const lines = (await page.evaluate(() => studio.document.files["leaf.s"])).split("\n");
+  const changed = lines.map((line, i) => [line, original.split("\n")[i]]).filter(([now, then]) => now !== then);
+  assert.equal(changed.length, 1);
+  assert.match(changed[0][0], /^ 0 (0\.\d+) -0\.14 {3}0 \1 -0\.14 {4}0 \1 -0\.14 {4}0 \1 -0\.14$/);
+  assert.ok((await highest()) < before - 0.02, `${await highest()} after ${before}`);
+  await page.close();
+});
+
+test("no page had an error, or asked for anything that its policy forbids", () => {
+  assert.deepEqual(problems, []);
+});
