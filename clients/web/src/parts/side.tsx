@@ -51,7 +51,7 @@ function rangeOf(studio: Studio, define: Define): { low: number; high: number; s
 function Parameters({ studio }: { studio: Studio }) {
   const defines = studio.defines;
   if (!studio.isOwn && studio.simulation) {
-    return <p class="quiet">Another program made this simulation. Change its text to make one of your own.</p>;
+    return <p class="quiet">{studio.isReadOnly ? "This page only watches a simulation. Open the page without the link to grow a plant of your own." : "Another program made this simulation. Change its text to make one of your own."}</p>;
   }
   if (defines.length === 0) {
     return <p class="quiet">Numbers that the model names with <code>#define NAME 0.5</code> get a slider here.</p>;

@@ -103,6 +103,11 @@ export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }
       const isDark = document.documentElement.dataset.theme === "dark";
       const view = new View(place.current!, { mode: "model", hasGround: true, hasShadows: true, hasSurroundings: true, isDark });
       studio.view = view;
+      // a person may switch them on again
+      view.onSlow = () => {
+        view.apply({ ...view.settings, hasShadows: false });
+        studio.changed();
+      };
       let down = [0, 0];
       const canvas = view.renderer.domElement;
       dragSolids(studio, view);

@@ -66,12 +66,14 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
   };
   const nameOf = ({ values, seed }: Variation) =>
     [...Object.entries(values).map(([name, value]) => `${name} ${short(value)}`), ...(across.name === "" || down.name === "" ? [`seed ${seed}`] : [])].join(", ");
+  const grown = Object.values(pictures);
   return (
     <Dialog title="Variations" class="variations" onClose={onClose}>
       <div class="row">
         <AxisChoice studio={studio} label="across" axis={across} onChange={setAcross} />
         <AxisChoice studio={studio} label="down" axis={down} onChange={setDown} />
         <span class="quiet">{Object.keys(pictures).length} of {SIDE * SIDE}. A click takes a plant over.</span>
+        {grown.length === variations.length && new Set(grown).size === 1 && <span class="error">All are the same: {across.name === "" && down.name === "" ? "the model draws no random numbers. Choose a number of the model on a side." : "the plant does not depend on these numbers."}</span>}
       </div>
       {problem && <p class="error">{problem}</p>}
       <div class="scroll">

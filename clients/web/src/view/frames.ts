@@ -1,4 +1,5 @@
 // Pictures of the browser. A hidden page gets none, and a busy browser few: nothing waits for one longer than a moment.
+// A browser without a graphics card may need seconds for a large plant.
 
 const PATIENCE_MILLISECONDS = 250;
 
@@ -15,3 +16,61 @@ export function onNextFrame(work: () => void): void {
 }
 
 export const nextFrame = (): Promise<void> => new Promise(onNextFrame);
+
+const SLOW_MILLISECONDS = 250;
+const SLOW_PICTURES = 3; // in a row
+const LOOK_MILLISECONDS = 20;
+const LOST_MILLISECONDS = 10_000;
+
+/** Knows whether the graphics card still draws, and when its pictures take long. */
+export class GpuClock {
+  private sync: WebGLSync | null = null;
+  private slow = 0;
+
+  constructor(
+    private readonly context: WebGL2RenderingContext,
+    private readonly onSlow: () => void,
+  ) {}
+
+  /** Whether the last picture is not ready yet. */
+  get isBusy(): boolean {
+    return this.sync !== null;
+  }
+
+  /** The commands of a picture have been given. */
+  begin(): void {
+    this.forget();
+    this.sync = this.context.fenceSync(this.context.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    this.context.flush();
+    if (this.sync) {
+      this.look(this.sync, performance.now());
+    }
+  }
+
+  private look(sync: WebGLSync, begun: number): void {
+    setTimeout(() => {
+      const { context } = this;
+      const time = performance.now() - begun;
+      if (sync !== this.sync) {
+        return; // there is a newer picture
+      }
+      if (!context.isContextLost() && context.getSyncParameter(sync, context.SYNC_STATUS) !== context.SIGNALED && time < LOST_MILLISECONDS) {
+        this.look(sync, begun);
+        return;
+      }
+      this.forget();
+      // the timers of a hidden page are slow
+      this.slow = time > SLOW_MILLISECONDS && !document.hidden ? this.slow + 1 : 0;
+      if (this.slow === SLOW_PICTURES) {
+        this.onSlow();
+      }
+    }, LOOK_MILLISECONDS);
+  }
+
+  private forget(): void {
+    if (this.sync) {
+      this.context.deleteSync(this.sync);
+      this.sync = null;
+    }
+  }
+}

@@ -23,7 +23,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Geometry, GeometryChange, TurtleTable } from "espalier";
 import { painting } from "./colours.js";
 import type { Births, ColourMode, Legend, ModelPalette } from "./colours.js";
-import { onNextFrame } from "./frames.js";
+import { GpuClock, onNextFrame } from "./frames.js";
 import { boundsOf, pick } from "./measures.js";
 import { freeObject, texturesOf } from "./objects.js";
 import type { Picked } from "./measures.js";
@@ -48,6 +48,9 @@ export class View {
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 1000);
   readonly controls: OrbitControls;
   legend: Legend | null = null;
+  /** Called once when pictures take long. */
+  onSlow: () => void = () => {};
+  private readonly clock: GpuClock;
   /** Called after the camera moved or the plant changed. */
   onDrawn: () => void = () => {};
 
@@ -78,6 +81,10 @@ export class View {
   ) {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.clock = new GpuClock(this.renderer.getContext() as WebGL2RenderingContext, () => {
+      this.tubes.isCoarse = true;
+      this.onSlow();
+    });
     this.renderer.shadowMap.type = PCFShadowMap;
     element.append(this.renderer.domElement);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
@@ -236,9 +243,18 @@ export class View {
     if (!this.isDrawing) {
       this.isDrawing = true;
       onNextFrame(() => {
-        this.isDrawing = false;
-        this.drawNow();
+        this.drawWhenIdle();
       });
+    }
+  }
+
+  /** A picture waits until the one before it is ready: pictures that queue up would hold up the whole page. */
+  private drawWhenIdle(): void {
+    if (this.clock.isBusy) {
+      setTimeout(() => this.drawWhenIdle(), 20);
+    } else {
+      this.isDrawing = false;
+      this.drawNow();
     }
   }
 
@@ -247,6 +263,7 @@ export class View {
     this.tubes.setPixelScale(((2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / height) * this.renderer.getPixelRatio());
     this.light();
     this.renderer.render(this.scene, this.camera);
+    this.clock.begin();
     this.onDrawn();
   }
 
@@ -266,7 +283,8 @@ export class View {
     const size = box.getSize(new Vector3());
     // flat drawings, and plants below the ground, stand in the air
     const isStanding = hasPlant && size.z > 0.02 * radius && box.min.y > -0.05 * size.y && this.geometry?.widths === "world";
-    this.ground.visible = this.settings.hasGround && isStanding;
+    // it would cover what lies behind the canvas
+    this.ground.visible = this.settings.hasGround && this.hasBackground && isStanding;
     this.ground.position.set(centre.x, Math.min(box.min.y, 0), centre.z);
     this.ground.scale.setScalar(4.5 * radius);
   }

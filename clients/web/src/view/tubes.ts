@@ -87,6 +87,7 @@ function patch(uniforms: Record<string, { value: unknown }>, isLit: boolean) {
 }
 
 export class Tubes {
+  isCoarse = false; // fewer sides, for a browser that draws slowly
   readonly mesh: Mesh<InstancedBufferGeometry, MeshStandardMaterial>;
   private readonly uniforms = { pixelScale: { value: 0 }, leastPixels: { value: 0.7 }, lowest: { value: new Vector2() } };
   private capacity = 0;
@@ -124,7 +125,7 @@ export class Tubes {
   update(geometry: Geometry, ranges: RowRange[]): void {
     const { segments } = geometry;
     const count = segments.count;
-    this.shape(count > VERY_MANY ? 4 : count > MANY ? 5 : count > 20_000 ? 6 : 10, count <= MANY && geometry.widths === "world");
+    this.shape(count > VERY_MANY ? 4 : this.isCoarse || count > MANY ? 5 : count > 20_000 ? 6 : 10, count <= MANY && geometry.widths === "world");
     const isNew = this.reserve(count);
     const start = segments.column("Start");
     const end = segments.column("End");
