@@ -368,6 +368,28 @@ class GalleryEnvironments(unittest.TestCase):
         counts = [len(leaves[24 * day]) for day in (0, 4, 8)]
         self.assertGreater(counts[1] - counts[0], counts[2] - counts[1])
 
+    def test_leaves_give_off_water_by_the_light_that_they_absorb(self) -> None:
+        lines = espalier("derive", str(GALLERY / "sun-and-shade"), "--every", "--quiet").stdout.splitlines()
+        numbers = re.compile(r"\?Water\(([^)]*)\)\?Light\(([^)]*)\)L")
+        hours = [[[[float(each) for each in part.split(",")] for part in leaf] for leaf in numbers.findall(line)]
+                 for line in lines]
+        for leaves in hours[2:]:
+            for water, light in leaves:
+                # what light answered: both bands less long waves, and photons
+                self.assertAlmostEqual(water[3], light[0] + light[4] - 30, places=6)
+                self.assertAlmostEqual(water[4], 4.57 * light[2], places=6)
+                # the drawn leaf is as large as the leaf that gives off water
+                self.assertAlmostEqual(light[3], 0.006 * light[2], delta=1e-3 * light[3])
+        # the light of an hour comes in that hour: the sun rises at 4:05 and sets at 20 o'clock, universal time
+        self.assertEqual([hour for hour, leaves in enumerate(hours) if any(water[4] > 0 for water, _ in leaves)], list(range(4, 20)))
+        self.assertTrue(all(water[5] == 0 for hour in (3, 22) for water, _ in hours[hour]))
+        # in the sun a leaf opens wider, is warmer and gives off more than in the shade; an answer is in the next string
+        noon = [(before[3], after[5:]) for (before, _), (after, _) in zip(hours[12], hours[13])]
+        sunny, shaded = max(noon), min(noon)
+        self.assertGreater(sunny[0], 2 * shaded[0])
+        for number in (0, 1, 4):
+            self.assertGreater(sunny[1][number], shaded[1][number])
+
     def test_a_stand_thins_along_the_line_of_minus_three_halves(self) -> None:
         derived = self.counted("self-thinning", {"P": "P("})
         points = []
