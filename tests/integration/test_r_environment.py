@@ -1,8 +1,11 @@
-"""The R page: its script as it is, against the real server."""
+"""The R page: its script as it is, against the real server; the R package as people get it."""
 
+import os
 import shutil
 import subprocess
+import tempfile
 import unittest
+from pathlib import Path
 
 from support import GALLERY, REPOSITORY, SECONDS, program
 
@@ -15,7 +18,7 @@ class REnvironment(unittest.TestCase):
         server = Server(program(), arguments=["--gallery", str(GALLERY), "--log-level", "off"])
         self.addCleanup(server.stop)
         host, port = server.address.split(":")
-        script = subprocess.Popen(["Rscript", str(REPOSITORY / "clients" / "r" / "light.R"), host, port],
+        script = subprocess.Popen(["Rscript", str(REPOSITORY / "clients" / "r" / "inst" / "light.R"), host, port],
                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert script.stderr is not None
         self.assertEqual(script.stderr.readline().strip(), "r-light is offered")
@@ -32,6 +35,31 @@ class REnvironment(unittest.TestCase):
         server.stop()
         self.assertEqual(script.communicate(timeout=SECONDS)[0], "")
         self.assertEqual(script.returncode, 0)
+
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes half a minute: ./dev test --all long")
+    def test_long_the_package_is_checked_installed_and_used(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "library").mkdir()
+            # R asks which packages there are; this one needs none, so an empty list does
+            (folder / "src" / "contrib").mkdir(parents=True)
+            (folder / "src" / "contrib" / "PACKAGES").write_text("", encoding="utf-8")
+            (folder / "profile").write_text(f'options(repos = c(CRAN = "file://{folder}"))\n', encoding="utf-8")
+            more = {"R_LIBS": str(folder / "library"), "R_PROFILE_USER": str(folder / "profile"), "ESPALIER_PROGRAM": program()}
+
+            def run(*command: str) -> str:
+                done = subprocess.run(command, cwd=folder, text=True, capture_output=True, check=False, stdin=subprocess.DEVNULL,
+                                      timeout=10 * SECONDS, env={**os.environ, **more})
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                return done.stdout
+
+            run("R", "CMD", "build", str(REPOSITORY / "clients" / "r"))
+            package, = folder.glob("espalier_*.tar.gz")
+            self.assertIn("Status: OK", run("R", "CMD", "check", "--no-manual", package.name))
+            run("R", "CMD", "INSTALL", package.name)
+            said = run("Rscript", "-e", 'library(espalier); set <- data.frame(seed = 1:2); '
+                       'print(espalier_run("classic-weed", set, \'{"modules": {"count": "F"}}\')$modules)')
+            self.assertRegex(said, r"\[1\] [1-9][0-9]* [1-9][0-9]*")
 
 
 if __name__ == "__main__":

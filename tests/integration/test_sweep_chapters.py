@@ -253,7 +253,7 @@ class ModelAsFunction(unittest.TestCase):
 @unittest.skipUnless(shutil.which("Rscript"), "R is not installed (Debian: r-base-core)")
 class ModelInR(unittest.TestCase):
     def run_r(self, code: str) -> "subprocess.CompletedProcess[str]":
-        source = f'source("{PACKAGE.parent / "r" / "sweep.R"}"); '
+        source = f'source("{PACKAGE.parent / "r" / "R" / "sweep.R"}"); '
         return subprocess.run(["Rscript", "-e", source + code], capture_output=True, text=True,
                               env=variables(ESPALIER_PROGRAM=program()), stdin=subprocess.DEVNULL)
 

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import subprocess
+import tarfile
 import tempfile
 import unittest
 from pathlib import Path
@@ -32,6 +33,33 @@ class TypeScript(unittest.TestCase):
         self.assertEqual(tested.returncode, 0, tested.stdout[-6000:])
         found = re.search(r"^# pass (\d+)", tested.stdout, re.MULTILINE)
         self.assertGreaterEqual(int(found.group(1)) if found else 0, 5)
+
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "npm is slow: ./dev test --all long")
+    def test_long_the_packed_package_works_in_another_project(self) -> None:
+        self.assertEqual(node("generate.js", folder=CLIENT).returncode, 0)
+        built = node(str(COMPILER), "--typeRoots", str(WEB / "node_modules" / "@types"), folder=CLIENT)
+        self.assertEqual((built.returncode, built.stdout), (0, ""), built.stdout)
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            npm = ("npm", "--offline", "--no-audit", "--no-fund", "--ignore-scripts", "--cache", str(folder / "cache"))
+            packed = subprocess.run([*npm, "pack", "--pack-destination", str(folder), str(CLIENT)], cwd=folder, text=True,
+                                    capture_output=True, check=False, timeout=10 * SECONDS)
+            self.assertEqual(packed.returncode, 0, packed.stderr)
+            archive, = folder.glob("espalier-*.tgz")
+            with tarfile.open(archive) as files:
+                names = files.getnames()
+            self.assertIn("package/dist/node.js", names)
+            self.assertIn("package/dist/browser.d.ts", names)
+            self.assertEqual([file for file in names if "/test/" in file or "node_modules" in file], [])
+            (folder / "package.json").write_text('{"type": "module", "private": true}', encoding="utf-8")
+            installed = subprocess.run([*npm, "install", archive.name], cwd=folder, text=True, capture_output=True, check=False,
+                                       timeout=10 * SECONDS)
+            self.assertEqual(installed.returncode, 0, installed.stderr)
+            (folder / "use.js").write_text("import * as espalier from 'espalier';\nconsole.log(Object.keys(espalier).join(' '));\n",
+                                           encoding="utf-8")
+            used = node("use.js", folder=folder)
+            self.assertEqual(used.returncode, 0, used.stderr)
+            self.assertLessEqual({"connect", "serveStdio", "ServerError"}, set(used.stdout.split()))
 
     def compiled_page(self) -> None:
         """The program of docs/howto/own-environment-typescript.md."""

@@ -1,6 +1,6 @@
 # Environments for Espalier plants in base R: a function of all queries of a step, offered to a running server.
 #
-#   source("clients/r/espalier.R")
+#   source("clients/r/R/espalier.R")   # or library(espalier)
 #   attach_environment("height", "127.0.0.1:4321", function(queries) queries$y)
 
 # the text or number behind a key of a JSON line
@@ -11,7 +11,7 @@ json_value <- function(line, key) {
 # all matches of a pattern, in order
 json_all <- function(line, pattern) regmatches(line, gregexpr(pattern, line, perl = TRUE))[[1]]
 
-# the queries of a step: id, x, y, z, and p1, p2, … (the parameters of the module, NA where it has fewer)
+# the queries of a step: id, x, y, z, and p1, p2, ... (the parameters of the module, NA where it has fewer)
 read_queries <- function(line) {
   id <- json_all(line, '(?<=\\{"id":)[0-9]+(?=,"plant")')
   numbers <- function(pattern) lapply(strsplit(json_all(line, pattern), ","), as.numeric)

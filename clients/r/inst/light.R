@@ -1,7 +1,8 @@
 # A light model in R as an environment of an Espalier server: Rscript light.R HOST PORT
 # By Beer's law the light at a point falls with the number of queries (buds) above it in a column 0.6 m wide.
 script <- sub("--file=", "", grep("--file=", commandArgs(), value = TRUE))
-source(file.path(dirname(script), "espalier.R"))
+source_file <- file.path(dirname(script), "..", "R", "espalier.R")
+if (file.exists(source_file)) source(source_file) else library(espalier)
 
 light <- function(queries) {
   column <- paste(floor(queries$x / 0.6), floor(queries$z / 0.6))

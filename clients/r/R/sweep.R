@@ -1,6 +1,6 @@
 # A model as a function of its parameters, from R: `espalier sweep` makes the runs (docs/sweeps.md).
 #
-#   source("clients/r/sweep.R")
+#   source("clients/r/R/sweep.R")   # or library(espalier)
 #   sets <- data.frame(ETA = c(0.8, 0.9), LAMBDA = 0.7)
 #   espalier_run("borchert-honda", sets, '{"tips": {"count": "A"}, "height": {"plant": "height"}}')
 
