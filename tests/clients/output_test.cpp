@@ -174,7 +174,7 @@ TEST_F(Output, VariantsInRowsAreOneFileAndEqualOnesShareTheirMesh) {
   EXPECT_EQ(
       wrong.errors,
       "error: 'bush.svg' cannot hold several plants side by side: give one of .png, .glb, .obj, .ply, .stl, .usda, "
-      ".vtp\n");
+      ".vtp, .vtu\n");
   EXPECT_EQ(run("run bush.l --in-rows 1 -o bush.glb").status, 2) << "without --variants";
 }
 

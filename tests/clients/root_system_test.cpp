@@ -71,6 +71,47 @@ TEST(RootSystem, TheStringDrawsTheRoots) {
             "@R(0,0,-1)!(0.2)F(1)?E(1,1,0,0,0,0,0,0,0,0)]");
 }
 
+std::string withUnit(const std::string& unit) {
+  std::string text = kRsml;
+  return text.replace(text.find("<unit>cm</unit>"), 15, unit);
+}
+
+TEST(RootSystem, UnitsAreKnownByTheirNames) {
+  for (const auto& [written, unit] : {std::pair<std::string, std::string>{"Centimetre", "cm"},
+                                      {" mm\n", "mm"},
+                                      {"inch", "inch"},
+                                      {"px", "pixel"},
+                                      {"unknown", ""},
+                                      {"", ""}}) {
+    const auto roots = readRsml(withUnit("<unit>" + written + "</unit><resolution>300</resolution>"));
+    ASSERT_TRUE(roots) << roots.error();
+    EXPECT_EQ(roots->unit, unit);
+  }
+  EXPECT_EQ(readRsml(withUnit("<unit>parsec</unit>")).error(),
+            "line 2: the unit 'parsec' is unknown. Write one of m, dm, cm, mm, um, inch, pixel, or unknown");
+  EXPECT_EQ(readRsml(withUnit("<unit>pixel</unit><resolution>0</resolution>")).error(),
+            "line 2: the resolution is not above 0. Write the number of pixels in a unit, or leave it out");
+  // the unit of a property is not that of lengths
+  EXPECT_EQ(readRsml(withUnit("<unit>cm</unit><property-definitions><property-definition><label>age</label>"
+                              "<unit>day</unit></property-definition></property-definitions>"))
+                ->unit,
+            "cm");
+}
+
+TEST(RootSystem, DaysOfEmergenceAreStepsOfAnAnimation) {
+  // a collar, segments that emerge on days 2, 4.5 and 5, and a lateral that has no day
+  const auto roots = readRootTable(
+      "node\tparent\tx\ty\tz\tradius\torder\temergence\n0\t-1\t0\t0\t0\t0.1\t1\t2\n1\t0\t0\t0\t-1\t0.1\t1\t2\n"
+      "2\t1\t0\t0\t-2\t0.1\t1\t4.5\n3\t2\t0\t0\t-2\t0.1\t1\t5\n");
+  ASSERT_TRUE(roots) << roots.error();
+  const std::string model = modelOf(*roots);
+  EXPECT_EQ(model.substr(0, model.find("\nW(t")),
+            "Lsystem: 1\nderivation length: 3\nAxiom: [@M(0,0,0)@R(0,0,-1)!(0.2)F(1)?E(0,1,0,0,0,0,0,0,0,0)"
+            "W(3,0,0,-1,0.2,1,0.5,1)V(3,0,1)]");
+  // without days, or within one, it stands from the start
+  EXPECT_TRUE(modelOf(*readRootTable(kTable)).starts_with("Lsystem: 1\nderivation length: 1\nAxiom: [@M(0,0,0)@R("));
+}
+
 TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
   const auto ofTable = [](const std::string& rows) { return readRootTable("node\tparent\tx\ty\tz\n" + rows).error(); };
   EXPECT_EQ(ofTable("0\t-1\t0\t0\t0\n1\t2\t0\t0\t0\n2\t1\t0\t0\t0\n"),

@@ -18,6 +18,7 @@ void fuzzSnapshot(std::string_view bytes);   // a snapshot, its checksum made ri
 void fuzzTrace(std::string_view bytes);      // a trace, its checksums made right, replayed
 void fuzzString(std::string_view text);      // a bundle of a string and its model: the run begins with the string
 void fuzzMtg(std::string_view text);         // a multiscale tree graph, read into strings
+void fuzzRoots(std::string_view text);       // a root system: RSML, or a table; its model
 
 struct NamedTarget {
   std::string_view name;  // as its folder of regressions and its program
@@ -33,6 +34,7 @@ inline constexpr NamedTarget kTargets[] = {
     {"trace", fuzzTrace},
     {"string", fuzzString},
     {"mtg", fuzzMtg},
+    {"roots", fuzzRoots},
 };
 
 }  // namespace espalier::fuzz

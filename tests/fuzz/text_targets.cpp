@@ -2,6 +2,7 @@
 #include <variant>
 #include <vector>
 
+#include "clients/espalier/roots/root_system.h"
 #include "engine/core/check.h"
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
@@ -41,6 +42,18 @@ void fuzzMtg(std::string_view text) {
   if (const auto* strings = std::get_if<turtle::MtgStrings>(&read)) {
     ESPALIER_CHECK(!strings->strings.empty());
   }
+}
+
+void fuzzRoots(std::string_view text) {
+  const auto roots = text.starts_with("node") ? roots::readRootTable(text) : roots::readRsml(text);
+  if (!roots) {
+    ESPALIER_CHECK(!roots.error().empty());
+    return;
+  }
+  for (std::uint32_t i = 0; i < roots->nodes.size(); ++i) {
+    ESPALIER_CHECK(roots->nodes[i].parent == roots::RootSystem::kNone || roots->nodes[i].parent < i);
+  }
+  ESPALIER_CHECK(roots::modelOf(*roots).starts_with("Lsystem"));
 }
 
 }  // namespace espalier::fuzz

@@ -230,7 +230,7 @@ def vtp_pieces(file: Path) -> List[Dict[str, List[Any]]]:
     for piece in xml.parse(file).getroot().iter("Piece"):
         arrays = {array.attrib["Name"]: vtp_array(array) for array in piece.iter("DataArray")}
         assert len(arrays["Points"]) == 3 * int(piece.attrib["NumberOfPoints"])
-        assert len(arrays["offsets"]) == len(arrays["module"]) == int(piece.attrib["NumberOfPolys"])
+        assert len(arrays["offsets"]) == len(arrays["module"]) == int(piece.attrib.get("NumberOfPolys") or piece.attrib["NumberOfCells"])
         pieces.append(arrays)
     return pieces
 
@@ -248,5 +248,5 @@ def read_vtp(file: Path) -> Mesh:
 
 
 READERS: Dict[str, Callable[[Path], Mesh]] = {
-    "glb": read_glb, "obj": read_obj, "ply": read_ply, "stl": read_stl, "usda": read_usda, "vtp": read_vtp,
+    "glb": read_glb, "obj": read_obj, "ply": read_ply, "stl": read_stl, "usda": read_usda, "vtp": read_vtp, "vtu": read_vtp,
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import os
 import pty
 import struct
@@ -13,6 +14,7 @@ import xml.etree.ElementTree as ElementTree
 import zlib
 from pathlib import Path
 
+from mtg_reader import MtgFile
 from support import REPOSITORY, espalier, program
 
 STRINGS_OF_THE_REFERENCE = [
@@ -63,28 +65,6 @@ def read_png(data: bytes) -> tuple[int, int, list[bytes]]:
     return width, height, rows
 
 
-class MtgFile:
-    """Topology and features of an MTG: entities as (edge, class, parent index, features)."""
-
-    def __init__(self, text: str) -> None:
-        lines = text.split("\n")
-        start = lines.index("MTG:")
-        header = lines[start + 1].split("\t")
-        first = next(i for i, name in enumerate(header) if i > 0 and name)
-        self.entities: list[tuple[str, str, int | None, dict[str, str]]] = []
-        last: dict[int, int] = {}
-        for line in lines[start + 2 :]:
-            if not line:
-                continue
-            columns = line.split("\t")
-            column = next(i for i, text in enumerate(columns) if text)
-            code = columns[column]
-            parent = last[column] if code.startswith("^") else last.get(column - 1)
-            edge, name = code.lstrip("^")[0], code.lstrip("^")[1:].rstrip("0123456789")
-            self.entities.append((edge, name, parent, dict(zip(header[first:], columns[first:]))))
-            last[column] = len(self.entities) - 1
-
-
 class Formats(unittest.TestCase):
     def setUp(self) -> None:
         holder = tempfile.TemporaryDirectory()
@@ -113,17 +93,23 @@ class Formats(unittest.TestCase):
         self.assertEqual(modules, text)
 
         mtg = MtgFile((self.folder / "a.mtg").read_text(encoding="utf-8"))
-        entities = [entity for entity in mtg.entities if entity[1] == "F"]
+        entities = [entity for _, entity in mtg.finest() if entity.name == "F"]
         self.assertEqual(len(entities), len(segments))
         for entity, row in zip(entities, segments):
-            self.assertEqual((entity[3]["XX"], entity[3]["YY"], entity[3]["ZZ"]), (row["x"], row["y"], row["z"]))
-            self.assertEqual(entity[3]["Order"], row["order"])
-            self.assertEqual(entity[3]["P1"], row["parameters"])
-        # what is joined by + begins a branch of the next order
-        for edge, _, parent, features in mtg.entities:
-            if edge in "+<" and parent is not None:
-                step = int(features["Order"]) - int(mtg.entities[parent][3]["Order"])
-                self.assertEqual(step, 1 if edge == "+" else 0)
+            self.assertEqual((entity.features["XX"], entity.features["YY"], entity.features["ZZ"]), (row["x"], row["y"], row["z"]))
+            self.assertEqual(entity.features["Order"], row["order"])
+            self.assertEqual(entity.features["P1"], row["parameters"])
+            self.assertEqual(entity.features["Time"], mtg.entities[-1].features["Time"])
+        # what is joined by + begins a branch of the next order; lengths are from the end of the entity before
+        for _, entity in mtg.finest():
+            if entity.parent is not None:
+                before = mtg.entities[entity.parent].features
+                self.assertEqual(int(entity.features["Order"]) - int(before["Order"]), 1 if entity.edge == "+" else 0)
+                self.assertEqual(entity.features.get("Parent"), before.get("Module", before.get("Parent")))
+                ends = [[float(features[name]) for name in ("XX", "YY", "ZZ")] for features in (before, entity.features)]
+                self.assertAlmostEqual(float(entity.features["Length"]), math.dist(*ends), 12)
+        self.assertEqual({entity.scale for entity in mtg.entities}, {1, 2, 3})
+        self.assertEqual(mtg.strings(), [text])
 
         name = "{http://www.w3.org/2000/svg}"
         svg = ElementTree.parse(self.folder / "a.svg").getroot()
@@ -199,6 +185,22 @@ class Formats(unittest.TestCase):
         self.assertRegex(seen, rb"\r\[#+ *\] writing [^ ]*wide\.obj, 100 %")
         # the bar is gone when the note is written
         self.assertRegex(seen, rb"\r\x1b\[Kwrote [^ ]*wide\.obj")
+
+    def test_a_hundred_plants_are_read_back_from_mtg(self) -> None:
+        model = str(REPOSITORY / "clients" / "gallery" / "stochastic-bush")
+        names = [str(self.folder / name) for name in ("plant%03d.mtg", "plant%03d.string")]
+        run = espalier("run", model, "--variants", "100", "--seed", "3", "--steps", "4", "-o", names[0], "-o", names[1], "--quiet")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        different = set()
+        for file in sorted(self.folder.glob("plant*.mtg")):
+            text = file.with_suffix(".string").read_text(encoding="utf-8").strip()
+            self.assertEqual(MtgFile(file.read_text(encoding="utf-8")).strings(), [text], file.name)
+            different.add(text)
+        self.assertEqual(len(list(self.folder.glob("plant*.mtg"))), 100)
+        self.assertGreater(len(different), 50)
+        # and Espalier starts from such a file with the same string
+        again = espalier("derive", model, "--from", str(file), "--steps", "0", "--quiet")
+        self.assertEqual(again.stdout.strip(), text)
 
 
 if __name__ == "__main__":

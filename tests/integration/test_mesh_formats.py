@@ -1,4 +1,4 @@
-"""One tree with bark, leaves with holes and forks in six mesh formats: read back, they are the same triangles."""
+"""One tree with bark, leaves with holes and forks in seven mesh formats: read back, they are the same triangles."""
 
 from __future__ import annotations
 
@@ -112,6 +112,24 @@ class ForParaView(unittest.TestCase):
         self.check([int(value) for value in values("module")], [int(value) for value in values("order")], values("parameter1"),
                    [names.GetValue(int(value)) for value in values("symbol")])
         self.assertEqual(data.GetPointData().GetNormals().GetNumberOfTuples(), data.GetNumberOfPoints())
+
+    @unittest.skipUnless(importlib.util.find_spec("vtk"), "VTK is not installed (Debian: python3-vtk9)")
+    def test_a_grid_has_the_same_cells(self) -> None:
+        import vtk
+
+        espalier("run", str(self.folder / "m.l"), "-o", str(self.folder / "m.vtu"), "--quiet")
+        grids = []
+        for reader, name in ((vtk.vtkXMLUnstructuredGridReader(), "m.vtu"), (vtk.vtkXMLPolyDataReader(), "m.vtp")):
+            reader.SetFileName(str(self.folder / name))
+            reader.Update()
+            grids.append(reader.GetOutput())
+        self.assertGreater(grids[0].GetNumberOfCells(), 0)
+        self.assertEqual(grids[0].GetNumberOfCells(), grids[1].GetNumberOfCells())
+        for cell in range(grids[0].GetNumberOfCells()):
+            self.assertEqual(*(grid.GetCellType(cell) for grid in grids))
+            self.assertEqual(*([grid.GetCell(cell).GetPointId(k) for k in range(grid.GetCell(cell).GetNumberOfPoints())] for grid in grids))
+        for name in ("module", "order", "parameter1"):
+            self.assertEqual(*([grid.GetCellData().GetArray(name).GetTuple1(i) for i in range(grid.GetNumberOfCells())] for grid in grids))
 
     def test_a_series_lists_every_step_of_the_plant_and_of_the_soil(self) -> None:
         espalier("run", str(GALLERY / "roots-in-soil"), "--steps", "3", "--every", "-o", str(self.folder / "a & b.vtp"), "--field",

@@ -2,6 +2,7 @@
 
 import tempfile
 import unittest
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Dict, Tuple
 
@@ -44,6 +45,39 @@ class RootSystems(unittest.TestCase):
                 self.assertEqual(found.keys(), expected.keys())
                 for name, value in expected.items():
                     self.assertAlmostEqual(found[name], value, 9, msg=str(name))
+
+    def test_a_file_that_is_read_and_written_again_is_identical(self) -> None:
+        files = [self.folder / name for name in ("one.rsml", "two.rsml")]
+        espalier("run", str(self.table), "-o", str(files[0]))
+        espalier("run", str(files[0]), "-o", str(files[1]))
+        self.assertEqual(*(file.read_bytes() for file in files))
+        # an independent reader finds the numbers of the table, digit by digit
+        points = {tuple(point.get(axis) for axis in "xyz") for point in ElementTree.parse(files[1]).iter("point")}
+        rows = [line.split("\t") for line in TABLE.splitlines()[1:]]
+        self.assertEqual(points, {tuple(row[2:5]) for row in rows})
+
+    def test_days_of_emergence_are_an_animation(self) -> None:
+        days = (0, 0, 1, 3, 2, 4, 4)
+        lines = TABLE.splitlines()
+        self.table.write_text("\n".join([lines[0] + "\temergence"] + [f"{line}\t{day}" for line, day in zip(lines[1:], days)]) + "\n",
+                              encoding="utf-8")
+        espalier("run", str(self.table), "--every", "-o", str(self.folder / "day.rsml"), "--quiet")
+        for day in range(5):
+            tree = ElementTree.parse(self.folder / f"day-{day:04d}.rsml")
+            self.assertEqual(tree.findtext("metadata/time-sequence/index"), str(day))
+            segments = sum(len(line.findall("point")) - 1 for line in tree.iter("polyline"))
+            self.assertEqual(segments, sum(1 for emerged in days[1:] if emerged <= day))
+        # ages at the end are those of the file
+        text = espalier("derive", str(self.table)).stdout
+        self.assertEqual(sorted(float(part.split(",")[0]) for part in text.split("?E(")[1:]), sorted(4.0 - day for day in days[1:]))
+
+    def test_a_unit_that_is_none_is_refused(self) -> None:
+        rsml = self.folder / "far.rsml"
+        rsml.write_text("<rsml><metadata><unit>parsec</unit></metadata><scene/></rsml>", encoding="utf-8")
+        picture = self.folder / "far.png"
+        run = espalier("run", str(rsml), "-o", str(picture), status=1)
+        self.assertIn("the unit 'parsec' is unknown. Write one of m, dm, cm, mm, um, inch, pixel, or unknown", run.stderr)
+        self.assertFalse(picture.exists())
 
     def test_roots_from_a_file_take_up_water(self) -> None:
         xylem = self.folder / "xylem.json"

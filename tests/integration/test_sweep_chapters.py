@@ -181,6 +181,15 @@ class Measured(unittest.TestCase):
                                              "depth": {"mtg": "depth", "of": "U"}})
         self.assertEqual({name: values[0] for name, values in found.items()}, {"u": 6, "axes": 3, "all": 7, "depth": 4})
 
+    def test_axes_of_an_mtg_file_branch_off_with_their_first_unit(self) -> None:
+        head = ("CODE:\tFORM-A\n\nCLASSES:\nSYMBOL\tSCALE\n$\t0\nP\t1\nA\t2\nU\t3\n\nDESCRIPTION:\nLEFT\tRIGHT\tRELTYPE\tMAX\n\n"
+                "FEATURES:\nNAME\tTYPE\n\nMTG:\nENTITY-CODE\n")
+        measures = {"u": {"count": "U"}, "axes": {"mtg": "axes", "of": "U"}, "order": {"mtg": "maximumOrder", "of": "U"}}
+        # in one line, and with the axis in a line of its own
+        for graph in ("/P1/A1/U1\n\t+A2/U1<U2\n^<U2\n", "/P1/A1/U1\n\t+A2\n\t\t/U1<U2\n^<U2\n"):
+            found = espalier.measured.mtg(self.file("a.mtg", head + graph), measures)
+            self.assertEqual({name: values[0] for name, values in found.items()}, {"u": 4, "axes": 2, "order": 1}, graph)
+
     def test_tables_of_spreadsheets(self) -> None:
         for text in ("tree,axes,l\nA,3,1.5\nB,,2\n", "\ufefftree;axes;l\r\nA;3;1,5\r\nB;;2\r\n", "tree\taxes\tl\nA\t3\t1.5\n\nB\t\t2\n"):
             found = espalier.measured.table(self.file("m.csv", text))

@@ -102,7 +102,7 @@ std::vector<std::string> seriesFiles(const RunOptions& options) {
   std::vector<std::string> files;
   std::ranges::copy_if(options.outputs.files, std::back_inserter(files), [&](const std::string& file) {
     const turtle::ExportFormat* const format = formatOf(options.outputs, file);
-    return format != nullptr && format->suffix == ".vtp";
+    return format != nullptr && (format->suffix == ".vtp" || format->suffix == ".vtu");
   });
   std::ranges::copy(options.fields.files(), std::back_inserter(files));
   return files;

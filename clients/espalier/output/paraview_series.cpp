@@ -46,7 +46,7 @@ std::string seriesName(std::string file) {
 bool writeParaviewSeries(std::span<const std::string> files, std::span<const std::uint64_t> steps, bool isQuiet) {
   std::map<std::string, std::vector<std::string>> series;  // names of files by .pvd
   for (const std::string& file : files) {
-    if (file.ends_with(".vtp") || file.ends_with(".vti")) {
+    if (file.ends_with(".vtp") || file.ends_with(".vtu") || file.ends_with(".vti")) {
       series[seriesName(file)].push_back(file);
     }
   }

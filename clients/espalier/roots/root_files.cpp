@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <unordered_map>
@@ -202,7 +203,44 @@ RootSystem rootsOf(const turtle::Scene& scene) {
   return roots;
 }
 
-std::string stringOf(const RootSystem& roots) {
+namespace {
+
+/// When segments appear in a model, by node; empty: all are there from the start.
+struct Appearance {
+  std::vector<std::uint64_t> step;  // (nodes)
+  std::uint64_t last = 0;           // step at which all are there
+};
+
+/// One step a day up to the last emergence. The segments of the first day are there at step 0, and no segment appears
+/// before its parent.
+Appearance appearanceOf(const RootSystem& roots) {
+  constexpr double kMostSteps = 10'000.0;
+  double first = std::numeric_limits<double>::infinity();
+  double last = -first;
+  for (const RootSystem::Node& node : roots.nodes) {
+    if (!std::isnan(node.emergence)) {
+      first = std::min(first, node.emergence);
+      last = std::max(last, node.emergence);
+    }
+  }
+  const double days = std::floor(last - first);
+  if (!(days >= 1.0 && days <= kMostSteps)) {
+    return {};
+  }
+  Appearance appearance{.step = {}, .last = static_cast<std::uint64_t>(days)};
+  for (const RootSystem::Node& node : roots.nodes) {
+    const std::uint64_t parent = node.parent == RootSystem::kNone ? 0 : appearance.step[node.parent];
+    appearance.step.push_back(
+        std::isnan(node.emergence)
+            ? parent
+            : std::max(parent, appearance.last - static_cast<std::uint64_t>(std::floor(last - node.emergence))));
+  }
+  return appearance;
+}
+
+/// The string that draws the roots; with `appearance` a segment that comes later is a module that waits for its step:
+/// W(steps,x,y,z,diameter,length,age,order), or V(steps,age,order) without a length.
+std::string textOf(const RootSystem& roots, const Appearance& appearance) {
   const auto& nodes = roots.nodes;
   std::vector<std::vector<std::uint32_t>> children(nodes.size());
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
@@ -251,17 +289,35 @@ std::string stringOf(const RootSystem& roots) {
       const bool hasBracket = visit.next < children[visit.node].size();
       const core::Vec3 way = nodes[child].place - nodes[visit.node].place;
       text += hasBracket ? "[" : "";
-      if (const double length = core::length(way); length > 0.0) {
-        add("@R", {way.x, way.y, way.z});
-        add("!", {2.0 * nodes[child].radius});
-        add("F", {length});
+      const double length = core::length(way);
+      const double diameter = 2.0 * nodes[child].radius;
+      const auto order = static_cast<double>(nodes[child].order);
+      const std::uint64_t step = appearance.step.empty() ? 0 : appearance.step[child];
+      // the steps that are left make it as old as it is at the end
+      const double known = std::isnan(nodes[child].emergence) ? 0.0 : last - nodes[child].emergence;
+      const double age = appearance.step.empty() ? known : known - static_cast<double>(appearance.last - step);
+      if (step == 0) {
+        if (length > 0.0) {
+          add("@R", {way.x, way.y, way.z});
+          add("!", {diameter});
+          add("F", {length});
+        }
+        add("?E", {age, order, 0, 0, 0, 0, 0, 0, 0, 0});
+      } else if (length > 0.0) {
+        add("W", {static_cast<double>(step), way.x, way.y, way.z, diameter, length, age, order});
+      } else {
+        add("V", {static_cast<double>(step), age, order});
       }
-      const double age = std::isnan(nodes[child].emergence) ? 0.0 : last - nodes[child].emergence;
-      add("?E", {age, static_cast<double>(nodes[child].order), 0, 0, 0, 0, 0, 0, 0, 0});
       open.push_back({child, 0, hasBracket});
     }
   }
   return text;
+}
+
+}  // namespace
+
+std::string stringOf(const RootSystem& roots) {
+  return textOf(roots, {});
 }
 
 bool isRootFile(std::string_view fileName) {
@@ -269,7 +325,15 @@ bool isRootFile(std::string_view fileName) {
 }
 
 std::string modelOf(const RootSystem& roots) {
-  return "Lsystem: 1\nderivation length: 1\nAxiom: " + stringOf(roots) + "\nendlsystem\n";
+  const Appearance appearance = appearanceOf(roots);
+  if (appearance.last == 0) {
+    return "Lsystem: 1\nderivation length: 1\nAxiom: " + stringOf(roots) + "\nendlsystem\n";
+  }
+  return "Lsystem: 1\nderivation length: " + std::to_string(appearance.last) + "\nAxiom: " + textOf(roots, appearance) +
+         "\nW(t,x,y,z,w,l,a,o) : t > 1 --> W(t-1,x,y,z,w,l,a,o)\n"
+         "W(t,x,y,z,w,l,a,o) : t <= 1 --> @R(x,y,z)!(w)F(l)?E(a,o,0,0,0,0,0,0,0,0)\n"
+         "V(t,a,o) : t > 1 --> V(t-1,a,o)\nV(t,a,o) : t <= 1 --> ?E(a,o,0,0,0,0,0,0,0,0)\n"
+         "?E(a,o,c,d,e,f,g,h,i,j) --> ?E(a+1,o,c,d,e,f,g,h,i,j)\nendlsystem\n";
 }
 
 }  // namespace espalier::roots

@@ -29,8 +29,9 @@ struct RootSystem {
 };
 
 /// Reads the Root System Markup Language (Lobet et al. 2015): axes as polylines, laterals inside their parent, the
-/// functions `diameter` and `emergence_time`. A lateral begins at the point `parent-node`, or else at the nearest point
-/// of its parent. An error is a sentence with the line. At most 10 million points and 1000 orders.
+/// functions `diameter` and `emergence_time`, the unit of lengths. A lateral begins at the point `parent-node`, or else
+/// at the nearest point of its parent. An error is a sentence with the line, as for a unit that is unknown. At most 10
+/// million points and 1000 orders.
 [[nodiscard]] tl::expected<RootSystem, std::string> readRsml(std::string_view text);
 
 /// Reads a table with the columns node, parent, x, y, z and, if there are such, radius, order and emergence, separated
@@ -51,7 +52,9 @@ struct RootSystem {
 /// emergence of the file; 0 where none is known.
 [[nodiscard]] std::string stringOf(const RootSystem& roots);
 
-/// The source of a model whose axiom is that string, and that has no productions.
+/// The source of a model that draws the roots. Where days of emergence are known it is an animation: a step a day to
+/// the last emergence (from 1 to 10,000 steps), in which segments appear and grow older. Otherwise its axiom is that
+/// string, and it has no productions.
 [[nodiscard]] std::string modelOf(const RootSystem& roots);
 
 }  // namespace espalier::roots

@@ -1,6 +1,7 @@
 #include <expat.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -15,6 +16,13 @@ namespace {
 
 constexpr std::size_t kMostPoints = 10'000'000;
 constexpr std::size_t kMostOrders = 1000;
+/// Names of units of length, each list under the name that the root system gets. `pixel` is a unit of pictures.
+constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
+    {"m", "m"},           {"meter", "m"},       {"metre", "m"},       {"dm", "dm"},         {"cm", "cm"},
+    {"centimeter", "cm"}, {"centimetre", "cm"}, {"mm", "mm"},         {"millimeter", "mm"}, {"millimetre", "mm"},
+    {"um", "um"},         {"micrometer", "um"}, {"micrometre", "um"}, {"inch", "inch"},     {"in", "inch"},
+    {"pixel", "pixel"},   {"pixels", "pixel"},  {"px", "pixel"},      {"unknown", ""},      {"", ""},
+};
 /// Points that are looked at to find where laterals begin, in all. A file of people needs a small part of it.
 constexpr std::uint64_t kMostLooks = 1'000'000'000;
 
@@ -103,6 +111,8 @@ class Reader {
     text_.clear();
     if (name == "scene") {
       hasScene_ = true;
+    } else if (name == "property-definitions") {
+      definesProperties_ = true;
     } else if (name == "root") {
       ReadAxis axis;
       axis.line = XML_GetCurrentLineNumber(parser_);
@@ -137,8 +147,14 @@ class Reader {
       addSample(text_);
     } else if (name == "parent-node" && !open_.empty() && !axes_[open_.back()].parentNode && !text_.empty()) {
       axes_[open_.back()].parentNode = numberIn(text_);
-    } else if (name == "unit") {
-      unit_ = text_;
+    } else if (name == "property-definitions") {
+      definesProperties_ = false;
+    } else if (name == "unit" && !definesProperties_) {
+      setUnit();
+    } else if (name == "resolution") {
+      if (const auto resolution = numberIn(text_); resolution && *resolution <= 0.0) {
+        fail("the resolution is not above 0. Write the number of pixels in a unit, or leave it out");
+      }
     }
     text_.clear();
   }
@@ -147,6 +163,23 @@ class Reader {
     if (text_.size() < 1000) {
       text_ += some;
     }
+  }
+
+  /// The unit of all lengths; a property has its own.
+  void setUnit() {
+    std::string name;
+    for (const char letter : text_) {
+      if (std::isspace(static_cast<unsigned char>(letter)) == 0) {
+        name += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+      }
+    }
+    const auto* const known = std::ranges::find(kUnits, name, &std::pair<std::string_view, std::string_view>::first);
+    if (known == std::end(kUnits)) {
+      fail("the unit '" + text_.substr(0, 40) +
+           "' is unknown. Write one of m, dm, cm, mm, um, inch, pixel, or unknown");
+      return;
+    }
+    unit_ = known->second;
   }
 
   void addPoint(const char** attributes) {
@@ -248,7 +281,8 @@ class Reader {
   std::size_t pointCount_ = 0;
   std::uint64_t looks_ = 0;
   bool hasScene_ = false;
-  bool hasValue_ = false;  // the open sample has its value as an attribute
+  bool definesProperties_ = false;  // inside of property-definitions
+  bool hasValue_ = false;           // the open sample has its value as an attribute
 };
 
 }  // namespace

@@ -84,6 +84,7 @@ def _vertices(file: Path) -> List[_Vertex]:
     width = next((i for i, name in enumerate(lines[head].split("\t")) if i > 0 and name.strip()), 10 ** 9)
     found: List[_Vertex] = []
     latest: Dict[int, int] = {}  # by column: the vertex that was written there last
+    begun: Dict[int, bool] = {}  # by column: an axis was joined by `+` there, and its first vertex comes in a later line
     for number, line in enumerate(lines[head + 1:], head + 2):
         cells = line.split("\t")[:width]
         column = next((i for i, cell in enumerate(cells) if cell.strip()), None)
@@ -98,17 +99,23 @@ def _vertices(file: Path) -> List[_Vertex]:
         parent = next((latest[i] for i in range(before, -1, -1) if i in latest), -1)
         for k in [k for k in latest if k > column]:
             del latest[k]
+            begun.pop(k, None)
+        # the first vertex of an axis that is joined by `+`, as in `+A2/U1`, branches off itself
+        branches = begun.pop(next((i for i in range(before, -1, -1) if i in latest), -1), False)
         for _, edge, symbol in parts:
             if symbol not in scales:
                 raise ValueError(f"'{os.fspath(file)}', line {number}: the class '{symbol}' is not in the section CLASSES.")
             if scales[symbol] < finest:
                 if edge == "/" and scales[symbol] == min(scales.values()):
                     parent = -1  # another plant
+                branches = branches or "+" in edge
                 continue
-            found.append(_Vertex(symbol, parent, "+" in edge))
+            found.append(_Vertex(symbol, parent, branches or "+" in edge))
+            branches = False
             parent = len(found) - 1
         if found:
             latest[column] = parent
+            begun[column] = branches
     return found
 
 

@@ -90,6 +90,7 @@ constexpr std::array kFormats = {
     placedFormat<exportStl, false>("stl", ".stl", "triangles only, for printing (binary)"),
     usdaFormat(),
     placedFormat<exportVtp, false>("vtp", ".vtp", "a mesh with module, order and parameters, for ParaView (VTK)"),
+    placedFormat<exportVtu, false>("vtu", ".vtu", "the same as an unstructured grid (VTK)"),
     ExportFormat{"mtg", ".mtg", "a multiscale tree graph with geometry, for plant science", writeMtg, nullptr,
                  ExportSource::Modules},
     ExportFormat{"rsml", ".rsml", "axes and diameters of root systems (Root System Markup Language)", writeRsml},

@@ -49,6 +49,9 @@ void writeArray(std::string_view type, std::string_view name, std::size_t compon
   out << "</DataArray>\n";
 }
 
+/// The two kinds of VTK's files for meshes.
+enum class VtkKind : std::uint8_t { Polygons, Grid };
+
 /// Where the parameters of each module of a string begin, for strings whose modules are asked for in any order.
 class ParameterPlaces {
  public:
@@ -102,10 +105,12 @@ class Piece {
     }
   }
 
-  void write(TextOutput& out) const {
+  void write(VtkKind kind, TextOutput& out) const {
+    const bool isGrid = kind == VtkKind::Grid;
     out << "<Piece NumberOfPoints=\"" << std::to_string(pointCount())
-        << "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\""
-        << " NumberOfPolys=\"" << std::to_string(ends_.size()) << "\">\n<Points>\n";
+        << (isGrid ? "\" NumberOfCells=\""
+                   : "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"")
+        << std::to_string(ends_.size()) << "\">\n<Points>\n";
     writeArray("Float32", "Points", 3, points_, out);
     out << "</Points>\n<PointData Normals=\"Normals\">\n";
     writeArray("Float32", "Normals", 3, normals_, out);
@@ -119,13 +124,27 @@ class Piece {
     for (std::size_t k = 0; k < kParameters; ++k) {
       writeArray("Float64", "parameter" + std::to_string(k + 1), 1, parameters_[k], out);
     }
-    out << "</CellData>\n<Polys>\n";
+    out << "</CellData>\n" << (isGrid ? "<Cells>\n" : "<Polys>\n");
     writeArray("Int64", "connectivity", 1, corners_, out);
     writeArray("Int64", "offsets", 1, ends_, out);
-    out << "</Polys>\n</Piece>\n";
+    if (isGrid) {
+      writeArray("UInt8", "types", 1, cellTypes(), out);
+    }
+    out << (isGrid ? "</Cells>\n</Piece>\n" : "</Polys>\n</Piece>\n");
   }
 
  private:
+  /// VTK's numbers for a triangle and a quad.
+  [[nodiscard]] std::vector<std::uint8_t> cellTypes() const {
+    std::vector<std::uint8_t> types;
+    std::int64_t begin = 0;
+    for (const std::int64_t end : ends_) {
+      types.push_back(end - begin == 3 ? 5 : 9);
+      begin = end;
+    }
+    return types;
+  }
+
   static void addVector(std::vector<float>& values, const core::Vec3& v) {
     values.insert(values.end(), {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
   }
@@ -172,32 +191,41 @@ void writeSymbols(const language::Program* program, TextOutput& out) {
   out << "</DataArray>\n</FieldData>\n";
 }
 
-}  // namespace
-
-std::optional<std::string> exportVtp(const PlacedScenes& placed, const ExportTarget& target) {
+std::optional<std::string> exportVtk(VtkKind kind, const PlacedScenes& placed, const ExportTarget& target) {
   PlacedMeshes meshes(placed);
   std::vector<ParameterPlaces> places;
   for (const ExportInput& input : placed.scenes) {
     places.emplace_back(input);
   }
   TextOutput out(target.sink);
-  out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-         "header_type=\"UInt64\">\n<PolyData>\n";
+  const std::string_view name = kind == VtkKind::Grid ? "UnstructuredGrid" : "PolyData";
+  out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"" << name
+      << "\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<" << name << ">\n";
   writeSymbols(placed.scenes[0].program, out);
   Piece piece(placed.scenes[0].program);
   std::uint64_t done = 0;
   auto problem = meshes.forEach([&](const PlacedMeshes::Item& item, const Mesh& mesh) -> std::optional<std::string> {
     piece.add(item, mesh, meshes.materials()[item.part.material].colour, places[item.copy.scene]);
     if (piece.pointCount() >= kPointsOfPiece) {
-      piece.write(out);
+      piece.write(kind, out);
       piece = Piece(placed.scenes[0].program);
     }
     reportProgress(target.progress, ++done, meshes.partCount());
     return std::nullopt;
   });
-  piece.write(out);
-  out << "</PolyData>\n</VTKFile>\n";
+  piece.write(kind, out);
+  out << "</" << name << ">\n</VTKFile>\n";
   return problem;
+}
+
+}  // namespace
+
+std::optional<std::string> exportVtp(const PlacedScenes& placed, const ExportTarget& target) {
+  return exportVtk(VtkKind::Polygons, placed, target);
+}
+
+std::optional<std::string> exportVtu(const PlacedScenes& placed, const ExportTarget& target) {
+  return exportVtk(VtkKind::Grid, placed, target);
 }
 
 }  // namespace espalier::turtle

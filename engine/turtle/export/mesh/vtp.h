@@ -11,4 +11,8 @@ namespace espalier::turtle {
 /// is made once and memory does not grow with the scene.
 [[nodiscard]] std::optional<std::string> exportVtp(const PlacedScenes& placed, const ExportTarget& target);
 
+/// Writes the same as a VTK unstructured grid (.vtu): its cells are triangles and quads with the same data. Programs of
+/// finite elements and filters of volumes ask for this kind.
+[[nodiscard]] std::optional<std::string> exportVtu(const PlacedScenes& placed, const ExportTarget& target);
+
 }  // namespace espalier::turtle

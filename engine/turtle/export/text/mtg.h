@@ -16,12 +16,15 @@ namespace espalier::turtle {
 }
 
 /// Writes a multiscale tree graph (Godin & Caraglio 1998) in the text form FORM-A of AMAPmod and OpenAlea: plants at
-/// scale 1, at scale 2 an entity for every module whose symbol begins with a letter, joined by `<` along an axis and by
-/// `+` to a branch. Features of an entity: `Text`, the string from the entity before it to this one without brackets,
-/// so that the whole string can be read back (`\x23` stands for `#`, which begins comments, `\x5c` for the backslash);
-/// `Module`, its index; XX YY ZZ and HX HY HZ, position and heading of the turtle after it; Diameter, Color, Order, and
-/// its parameters P1, P2, … Entities of class Z (or a free letter) stand where turtle commands or an empty branch
-/// belong to no module with a letter. An error sentence when brackets do not match.
+/// scale 1, axes at scale 2 (class A, or a free letter), at scale 3 an entity for every module whose symbol begins with
+/// a letter, joined by `<` along an axis; the axis of a branch is joined by `+`. Features of an entity: `Text`, the
+/// string from the entity before it to this one without brackets, so that the whole string can be read back (`\x23`
+/// stands for `#`, which begins comments, `\x5c` for the backslash); `Module`, its index; XX YY ZZ and HX HY HZ,
+/// position and heading of the turtle after it; Diameter, Color, Order; Length, the distance from the end of the entity
+/// before it, in world units (empty for the first entity of a plant whose string begins with it); Parent, the `Module`
+/// of the entity from which it grows; Time, the step of the string; and its parameters P1, P2, … Entities of class Z
+/// (or a free letter) stand where turtle commands or an empty branch belong to no module with a letter. An error
+/// sentence when brackets do not match.
 [[nodiscard]] std::optional<std::string> writeMtg(const ExportInput& input, const ExportTarget& target);
 
 /// The strings of an MTG.

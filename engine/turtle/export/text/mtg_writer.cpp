@@ -29,6 +29,7 @@ std::string classOf(std::string_view symbol) {
 struct MtgPlan {
   std::set<std::string> classes;  // of the entities that are modules
   std::string plantClass;
+  std::string axisClass;
   std::string anchorClass;
   std::size_t deepest = 0;         // open brackets
   std::size_t parameterCount = 0;  // most of an entity
@@ -38,12 +39,12 @@ struct MtgPlan {
 std::string freeClass(const MtgPlan& plan, std::string_view wanted) {
   for (const char letter : wanted) {
     const std::string name(1, letter);
-    if (!plan.classes.contains(name) && name != plan.plantClass) {
+    if (!plan.classes.contains(name) && name != plan.plantClass && name != plan.axisClass) {
       return name;
     }
   }
   std::string name = "Free";
-  while (plan.classes.contains(name) || name == plan.plantClass) {
+  while (plan.classes.contains(name) || name == plan.plantClass || name == plan.axisClass) {
     name += 'x';
   }
   return name;
@@ -76,13 +77,15 @@ std::optional<std::string> plan(const ExportInput& input, MtgPlan& result) {
     }
   }
   result.plantClass = freeClass(result, "PQRSTUVWXY");
+  result.axisClass = freeClass(result, "ABCDEFGHIJ");
   result.anchorClass = freeClass(result, "ZYXWVUTSRQ");
   return std::nullopt;
 }
 
 class MtgWriter {
  public:
-  MtgWriter(const MtgPlan& plan, core::ByteSink& sink) : plan_(plan), out_(sink), featureColumn_(plan.deepest + 2) {}
+  MtgWriter(const MtgPlan& plan, std::optional<std::uint64_t> step, core::ByteSink& sink)
+      : plan_(plan), out_(sink), featureColumn_(plan.deepest + 2), step_(step) {}
 
   void writeHead();
   void add(const VisitedModule& module);
@@ -95,7 +98,10 @@ class MtgWriter {
   /// An axis that is being written.
   struct Axis {
     bool hasEntity = false;
+    std::uint64_t module = kNoModule;  // of its last entity with a module
+    std::optional<core::Vec3> place;   // where its last entity ends; nothing: not known
   };
+  static constexpr std::uint64_t kNoModule = ~std::uint64_t{0};
 
   const MtgPlan& plan_;
   TextOutput out_;
@@ -105,18 +111,21 @@ class MtgWriter {
   std::optional<TurtleRecord> state_;  // the last one known
   std::uint32_t plant_ = 0;
   std::uint64_t entityCount_ = 0;  // of the plant
+  std::uint64_t axisCount_ = 0;    // of the plant
+  std::optional<std::uint64_t> step_;
 };
 
 void MtgWriter::writeHead() {
   out_
       << "CODE:\tFORM-A\n\nCLASSES:\nSYMBOL\tSCALE\tDECOMPOSITION\tINDEXATION\tDEFINITION\n$\t0\tFREE\tFREE\tIMPLICIT\n"
-      << plan_.plantClass << "\t1\tFREE\tFREE\tIMPLICIT\n";
+      << plan_.plantClass << "\t1\tFREE\tFREE\tIMPLICIT\n"
+      << plan_.axisClass << "\t2\tFREE\tFREE\tIMPLICIT\n";
   std::vector<std::string> classes(plan_.classes.begin(), plan_.classes.end());
   classes.push_back(plan_.anchorClass);
   for (const std::string& name : classes) {
-    out_ << name << "\t2\tFREE\tFREE\tIMPLICIT\n";
+    out_ << name << "\t3\tFREE\tFREE\tIMPLICIT\n";
   }
-  out_ << "\nDESCRIPTION:\nLEFT\tRIGHT\tRELTYPE\tMAX\n";
+  out_ << "\nDESCRIPTION:\nLEFT\tRIGHT\tRELTYPE\tMAX\n" << plan_.axisClass << '\t' << plan_.axisClass << "\t+\t?\n";
   for (const std::string& left : classes) {
     for (const std::string& right : classes) {
       out_ << left << '\t' << right << "\t+\t?\n" << left << '\t' << right << "\t<\t?\n";
@@ -133,6 +142,9 @@ void MtgWriter::writeHead() {
   }
   add("Color", "INT");
   add("Order", "INT");
+  add("Length", "REAL");
+  add("Parent", "INT");
+  add("Time", "INT");
   for (std::size_t i = 1; i <= plan_.parameterCount; ++i) {
     add("P" + std::to_string(i), "REAL");
   }
@@ -156,12 +168,19 @@ std::string MtgWriter::escaped(std::string_view text) const {
 void MtgWriter::writeEntity(const std::string& entityClass, const VisitedModule* module) {
   const std::size_t column = axes_.size();
   out_ << std::string(column, '\t');
-  out_ << (axes_.back().hasEntity ? "^<"
-           : axes_.size() == 1    ? "/"
-                                  : "+")
-       << entityClass << std::to_string(++entityCount_) << std::string(featureColumn_ - column, '\t')
+  Axis& axis = axes_.back();
+  if (axis.hasEntity) {
+    out_ << "^<";
+  } else {
+    // the first entity of an axis stands behind the axis; that of the trunk has a line with the plant
+    if (axes_.size() > 1) {
+      out_ << '+' << plan_.axisClass << std::to_string(++axisCount_);
+    }
+    out_ << '/';
+  }
+  out_ << entityClass << std::to_string(++entityCount_) << std::string(featureColumn_ - column, '\t')
        << escaped(pending_) << '\t';
-  axes_.back().hasEntity = true;
+  axis.hasEntity = true;
   pending_.clear();
   if (module != nullptr) {
     out_ << std::to_string(module->index);
@@ -181,7 +200,18 @@ void MtgWriter::writeEntity(const std::string& entityClass, const VisitedModule*
   } else {
     numbers.append(8, '\t');
   }
-  numbers += "\t" + std::to_string(axes_.size() - 1);
+  numbers += "\t" + std::to_string(axes_.size() - 1) + "\t";
+  if (state_) {
+    if (axis.place) {
+      core::appendNumber(numbers, core::length(state_->position - *axis.place), core::NumberStyle::Shortest);
+    }
+    axis.place = state_->position;
+  }
+  numbers += "\t" + (axis.module == kNoModule ? std::string() : std::to_string(axis.module)) + "\t" +
+             (step_ ? std::to_string(*step_) : std::string());
+  if (module != nullptr) {
+    axis.module = module->index;
+  }
   if (module != nullptr) {
     for (const double parameter : module->parameters) {
       add(parameter);
@@ -194,13 +224,17 @@ void MtgWriter::add(const VisitedModule& module) {
   if (axes_.empty() || module.plant != plant_) {
     finishPlant();
     plant_ = module.plant;
-    out_ << '/' << plan_.plantClass << std::to_string(plant_ + 1) << '\n';
+    axisCount_ = 1;
+    out_ << '/' << plan_.plantClass << std::to_string(plant_ + 1) << '/' << plan_.axisClass << "1\n";
     axes_.assign(1, {});
     entityCount_ = 0;
     state_.reset();
   }
   if (module.state != nullptr) {
     state_ = *module.state;
+    if (!axes_.back().place && !isEntity(module.symbol)) {
+      axes_.back().place = state_->position;
+    }
   }
   const bool isPlain = module.parameters.empty();
   if (isPlain && (module.symbol == "[" || module.symbol == "]")) {
@@ -209,7 +243,8 @@ void MtgWriter::add(const VisitedModule& module) {
       writeEntity(plan_.anchorClass, nullptr);
     }
     if (module.symbol == "[") {
-      axes_.push_back({});
+      // a branch begins where its axis has come to
+      axes_.push_back({.hasEntity = false, .module = axes_.back().module, .place = axes_.back().place});
     } else {
       axes_.pop_back();
     }
@@ -236,7 +271,7 @@ std::optional<std::string> writeMtg(const ExportInput& input, const ExportTarget
   if (auto problem = plan(input, known)) {
     return problem;
   }
-  MtgWriter writer(known, target.sink);
+  MtgWriter writer(known, input.step, target.sink);
   writer.writeHead();
   const auto problem =
       walkStrings(input, target.progress, [&writer](const VisitedModule& module) { writer.add(module); });

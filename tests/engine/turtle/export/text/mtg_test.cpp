@@ -51,17 +51,23 @@ TEST(Mtg, TopologyIsAsTheBranchesAre) {
   const std::size_t begin = mtg.find("MTG:\n");
   const auto lines = linesOf(mtg.substr(begin));
   ASSERT_EQ(lines.size(), 7U);
-  EXPECT_EQ(lines[1], "ENTITY-CODE\t\t\tText\tModule\tXX\tYY\tZZ\tHX\tHY\tHZ\tDiameter\tColor\tOrder\tP1");
-  EXPECT_EQ(lines[2], "/P1");
-  EXPECT_EQ(lines[3], "\t/F1\t\tF(2)\t0\t0\t2\t0\t0\t1\t0\t1\t128\t0\t2");
-  EXPECT_TRUE(lines[4].starts_with("\t\t+F2\t+(90)F(1)\t3\t-1\t2\t0\t-1\t")) << lines[4];
+  EXPECT_EQ(lines[1],
+            "ENTITY-CODE\t\t\tText\tModule\tXX\tYY\tZZ\tHX\tHY\tHZ\tDiameter\tColor\tOrder\tLength\tParent\tTime\tP1");
+  EXPECT_EQ(lines[2], "/P1/A1");
+  // nothing before it says where it begins
+  EXPECT_EQ(lines[3], "\t/F1\t\tF(2)\t0\t0\t2\t0\t0\t1\t0\t1\t128\t0\t\t\t\t2");
+  EXPECT_TRUE(lines[4].starts_with("\t\t+A2/F2\t+(90)F(1)\t3\t-1\t2\t0\t-1\t")) << lines[4];
+  EXPECT_TRUE(lines[4].ends_with("\t1\t1\t0\t\t1")) << lines[4];
   EXPECT_TRUE(lines[5].starts_with("\t\t^<L3\tL\t4\t-1\t2\t0\t")) << lines[5];
+  EXPECT_TRUE(lines[5].ends_with("\t1\t0\t3\t")) << lines[5];
   EXPECT_TRUE(lines[6].starts_with("\t^<F4\t\tF(3)\t6\t0\t5\t0\t")) << lines[6];
+  EXPECT_TRUE(lines[6].ends_with("\t0\t3\t0\t\t3")) << lines[6];
 }
 
 TEST(Mtg, EveryBracketedStringIsReadBack) {
-  for (const char* const text : {"F", "F(1.5)[+(30)F]F", "[F]F", "[[F]]", "[]", "F[]F[[A]B]", "+(3)", "F[+(3)]-(2)",
-                                 "A[B[C[D]E]F]G[H][I]J", "~l(2)@O(0.5)F#(2)\\(30);(3){.f.}", "P[Z]Y"}) {
+  for (const char* const text :
+       {"F", "F(1.5)[+(30)F]F", "[F]F", "[[F]]", "[]", "F[]F[[A]B]", "+(3)", "F[+(3)]-(2)", "A[B[C[D]E]F]G[H][I]J",
+        "ABCDEFGHIJ[A]PZ", "~l(2)@O(0.5)F#(2)\\(30);(3){.f.}", "P[Z]Y"}) {
     TurtleRun run(text);
     EXPECT_EQ(read(written(run, "mtg")), std::vector<std::string>{run.text()}) << text;
   }
