@@ -252,6 +252,22 @@ TEST(Scan, ACutTakesTheRestOfItsBranchAcrossChunks) {
   }
 }
 
+TEST(Scan, AChoiceBesideACutPartLongerThanAChunkDrawsInsideTheChunk) {
+  // nearly a chunk of modules that draw, then a part that makes the chunk some times as long
+  std::string axiom;
+  for (int i = 0; i < 1900; ++i) {
+    axiom += "A(" + std::to_string(i % 5) + ")";
+  }
+  axiom += "[B%" + std::string(10000, 'B') + "]" + axiom;
+  const std::string fixedWeights = "A(x) --> A(x+1) : 1\nA(x) --> B : 2\n";
+  const std::string ownWeights = "A(x) --> A(x+1) : x+1\nA(x) --> B : 2\n";
+  for (const std::string& productions : {fixedWeights, ownWeights}) {
+    for (const unsigned threads : {1U, 2U}) {
+      expectPlainSteps(test::modelText("", axiom, productions), threads, 3);
+    }
+  }
+}
+
 TEST(Scan, WhatIsCutNeitherWarnsNorRunsBlocks) {
   // behind each `%` stands a division by 0 and an assignment
   std::string axiom;
