@@ -178,8 +178,9 @@ TEST(Scan, DecompositionInBatchesWarnsOnceWhereTheDepthEnds) {
   EXPECT_EQ(fast.warnings(), general.warnings());
 }
 
-TEST(LongScan, AgreesWithTheGeneralWayInTheCompatibleMode) {
+TEST(LongScan, AgreesWithTheGeneralWayInTheCompatibleModes) {
   EXPECT_GT(compareWithRecordedSteps(400, 10000), 20000U);
+  EXPECT_GT(compareWithRecordedSteps(10400, 3000, core::Compatibility::CpfgBatch), 6000U);
 }
 
 TEST(LongScan, AgreesWithThePlainDerivationOnManyRandomModels) {
