@@ -13,7 +13,9 @@ void BatchRewriter::loadDraws() {
   if (!areDrawsLoaded_) {
     areDrawsLoaded_ = true;
     const std::uint64_t block = first_ / 4;
-    step_.selection.selectionWords(step_.number, block, (end_ + 3) / 4 - block, words_.data());
+    // a part that is cut may carry the end far beyond the last site
+    const std::uint64_t end = std::min(end_, first_ + kChunkModules);
+    step_.selection.selectionWords(step_.number, block, (end + 3) / 4 - block, words_.data());
   }
 }
 

@@ -13,8 +13,8 @@
 namespace espalier::test {
 
 /// Makes models of productions: letters A to E with up to two parameters, G with seven, brackets, contexts, conditions,
-/// weights, functions, divisions by what may be 0, blocks with local and shared variables, loops, arrays,
-/// decomposition, cuts.
+/// weights, draws in all of these, functions, divisions by what may be 0, blocks with local and shared variables,
+/// loops, arrays, decomposition, cuts.
 class ModelMaker {
  public:
   explicit ModelMaker(unsigned seed) : random_(seed) {}
@@ -159,6 +159,9 @@ class ModelMaker {
     if (chance(30)) {
       text += (chance(50) ? " && " : " || ") + oneOf(names) + (chance(70) ? "<2" : "/" + oneOf(names) + "<2");
     }
+    if (mayDraw_ && chance(8)) {
+      text += chance(50) ? " && ran(1)<0.7" : " || nran(0," + oneOf(names) + ")>0.5";
+    }
     return chance(10) ? "!(" + text + ")" : text;
   }
 
@@ -168,7 +171,7 @@ class ModelMaker {
     std::string text = "{";
     switch (names.empty() ? 0 : number(0, 6)) {
       case 0:
-        text += local + "=" + expression(names) + ";";
+        text += local + "=" + value(names) + ";";
         break;
       case 1:
         text += "if (" + condition(names) + ") {" + local + "=" + expression(names) + ";} else {" + local + "=" +
@@ -199,7 +202,7 @@ class ModelMaker {
     return text + "}";
   }
 
-  /// A parameter of a successor, which may draw.
+  /// A parameter of a successor or of an assignment, which may draw.
   std::string value(const std::string& names) {
     const std::string text = expression(names);
     // the axiom's draws are of another kind
@@ -296,7 +299,8 @@ class ModelMaker {
       text += chance(60) ? "[" + modules(2, names, 0) + "]" + modules(1, names, 0) : std::string();
     }
     if (isStochastic_ && chance(70)) {
-      text += " : " + (chance(20) && !names.empty() ? oneOf(names) + "*" + oneOf(names) : std::to_string(number(0, 4)));
+      text += " : " + (chance(20) && !names.empty() ? oneOf(names) + "*" + oneOf(names) + (chance(20) ? "*ran(1)" : "")
+                                                    : std::to_string(number(0, 4)));
     }
     return text + "\n";
   }

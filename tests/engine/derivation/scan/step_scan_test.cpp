@@ -178,8 +178,9 @@ TEST(Scan, DecompositionInBatchesWarnsOnceWhereTheDepthEnds) {
   EXPECT_EQ(fast.warnings(), general.warnings());
 }
 
-TEST(LongScan, AgreesWithTheGeneralWayInTheCompatibleMode) {
+TEST(LongScan, AgreesWithTheGeneralWayInTheCompatibleModes) {
   EXPECT_GT(compareWithRecordedSteps(400, 10000), 20000U);
+  EXPECT_GT(compareWithRecordedSteps(10400, 3000, core::Compatibility::CpfgBatch), 6000U);
 }
 
 TEST(LongScan, AgreesWithThePlainDerivationOnManyRandomModels) {
@@ -249,6 +250,22 @@ TEST(Scan, ACutTakesTheRestOfItsBranchAcrossChunks) {
     expectPlainSteps(test::modelText("", text, productions), 2, 7);
     expectPlainSteps(
         test::modelText("", text, productions + "decomposition\nmaximum depth: 3\nF(x) : x>0 --> F(x-1)F(0)\n"), 1, 7);
+  }
+}
+
+TEST(Scan, AChoiceBesideACutPartLongerThanAChunkDrawsInsideTheChunk) {
+  // nearly a chunk of modules that draw, then a part that makes the chunk some times as long
+  std::string axiom;
+  for (int i = 0; i < 1900; ++i) {
+    axiom += "A(" + std::to_string(i % 5) + ")";
+  }
+  axiom += "[B%" + std::string(10000, 'B') + "]" + axiom;
+  const std::string fixedWeights = "A(x) --> A(x+1) : 1\nA(x) --> B : 2\n";
+  const std::string ownWeights = "A(x) --> A(x+1) : x+1\nA(x) --> B : 2\n";
+  for (const std::string& productions : {fixedWeights, ownWeights}) {
+    for (const unsigned threads : {1U, 2U}) {
+      expectPlainSteps(test::modelText("", axiom, productions), threads, 3);
+    }
   }
 }
 
