@@ -80,6 +80,7 @@ class Model:
         self._client = client
         self.failures: List[Tuple[int, str]] = []
         self.warnings: List[str] = []
+        self._remarks: List[Tuple[int, str]] = []  # (row, warning) of the last call
         self._told: Set[str] = set()
         self._lock = threading.Lock()
         arguments = ["sweep", "-", "--pipe", "--workers", str(workers)]
@@ -111,7 +112,7 @@ class Model:
         # what the compiler says about the model; a read that moves no position, which the process shares
         said = os.pread(self._errors.fileno(), 1 << 20, 0).decode("utf-8", "replace").strip()
         if said:
-            self._warn(said, said)
+            self._warn(said, said, 5)
             self.warnings.append(said)
 
     def _ended(self) -> ServerFailed:
@@ -146,16 +147,17 @@ class Model:
             self._report(values, failures, remarks)
         return values
 
-    def _warn(self, key: str, text: str) -> None:
-        """Gives a Python warning, once for each key."""
+    def _warn(self, key: str, text: str, level: int = 4) -> None:
+        """Gives a Python warning, once for each key, of the line of the user's program that is `level` calls above."""
         if key not in self._told:
             self._told.add(key)
-            warnings.warn(text, RunWarning, stacklevel=4)
+            warnings.warn(text, RunWarning, stacklevel=level)
 
     def _report(self, values: Any, failures: List[Tuple[int, str]], remarks: List[Tuple[int, str]]) -> None:
         """Keeps and tells what has gone wrong in the rows of a call."""
         np = require_numpy()
         self.failures = failures
+        self._remarks = remarks
         for row, message in remarks:
             if message not in self.warnings:
                 self.warnings.append(message)
@@ -252,4 +254,4 @@ def run_on_worker(plan: str, rows: Any, seeds: Any) -> Tuple[Any, List[Tuple[int
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RunWarning)
         values = model.run(rows, seeds)
-    return values, model.failures, [(0, message) for message in model.warnings]
+    return values, model.failures, model._remarks
