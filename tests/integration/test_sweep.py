@@ -203,7 +203,7 @@ class Sweep(unittest.TestCase):
 
     def test_a_warning_of_the_compiler_about_the_values_of_a_run_is_shown(self) -> None:
         self.write("length.l", "#define N 3\nLsystem: 1\nderivation length: N\nAxiom: A\nA --> AF\nendlsystem\n")
-        plan = self.plan(model="length.l", runs={"rows": [{"N": 3}, {"N": -2}]}, measures={"n": {"count": "F"}})
+        plan = self.plan(model="length.l", runs={"rows": [{"N": 3}, {"N": -2}]}, measures={"f": {"count": "F"}})
         done = self.sweep(plan, "-o", self.file("r.sqlite"))
         self.assertRegex(done.stderr, r"warning in run 2 .*length\.l:3:20: warning: the value of 'derivation length:' is out of range")
         self.assertEqual(done.stderr.count("out of range"), 1)
