@@ -201,6 +201,42 @@ class Sweep(unittest.TestCase):
                           self.file("b.sqlite"))
         self.assertRegex(done.stderr, r"warning in run 1 .*division by 0(.|\n)*w/\(l-l\)")
 
+    def test_a_warning_of_the_compiler_about_the_values_of_a_run_is_shown(self) -> None:
+        self.write("length.l", "#define N 3\nLsystem: 1\nderivation length: N\nAxiom: A\nA --> AF\nendlsystem\n")
+        plan = self.plan(model="length.l", runs={"rows": [{"N": 3}, {"N": -2}]}, measures={"f": {"count": "F"}})
+        done = self.sweep(plan, "-o", self.file("r.sqlite"))
+        self.assertRegex(done.stderr, r"warning in run 2 .*length\.l:3:20: warning: the value of 'derivation length:' is out of range")
+        self.assertEqual(done.stderr.count("out of range"), 1)
+
+    def test_a_file_of_results_without_its_second_file_says_so(self) -> None:
+        self.results("r.sqlite", model="random.l", replicates=2000, measures={"n": {"count": "F"}})
+        # what is on the disk while the newest pages are in the second file
+        Path(self.file("alone.sqlite")).write_bytes(Path(self.file("r.sqlite")).read_bytes()[:4096])
+        done = self.sweep("export", self.file("alone.sqlite"), "--partial", status=1)
+        self.assertIn("or was copied without", done.stderr)
+
+    def test_a_measure_without_a_value_is_named_with_the_number_of_runs(self) -> None:
+        plan = self.plan(model="tree.l", runs={"rows": [{"w": w} for w in (4, 1, 2, 9)]},
+                         measures={"thick": {"mean": "d", "of": "F(l,d)", "where": "d > 1"}, "n": {"count": "F"}})
+        done = self.sweep(plan, "-o", self.file("r.sqlite"))
+        self.assertIn("the measure 'thick' has no value in 2 of 4 runs. The first is run 2\n", done.stderr)
+        self.assertNotIn("'n' has no value", done.stderr)
+
+    def test_a_measure_after_the_last_step(self) -> None:
+        measures = {"n": {"count": "F", "at": [2, 9]}}
+        self.assertIn("measures.n.at: there is no step 9: the derivation length of the model is 4. Give a step up to that, or more "
+                      "steps with the plan's member 'steps'", self.mistake(model="tree.l", measures=measures))
+        self.assertIn("measures.n.at: expected a whole number from 0 to 5, found 9",
+                      self.mistake(model="tree.l", steps=5, measures=measures))
+        self.results("long.sqlite", model="tree.l", steps=9, measures=measures)
+        # a macro that is the length: some runs are shorter
+        self.write("length.l", "#define N 3\nLsystem: 1\nderivation length: N\nAxiom: A\nA --> AF\nendlsystem\n")
+        done = self.sweep(self.plan(model="length.l", runs={"rows": [{"N": 9}, {"N": 4}]}, measures=measures), "-o",
+                          self.file("r.sqlite"))
+        self.assertIn("warning in run 2 and perhaps in others: measures.n.at: the run has ended with step 4, so that there is no "
+                      "value of step 9", done.stderr)
+        self.assertEqual([(row["n_2"], row["n_9"]) for row in self.rows(self.file("r.sqlite"))], [("2", "9"), ("2", "")])
+
     def test_an_environment_is_configured_by_pointers_and_starts_anew_in_each_run(self) -> None:
         rows = self.results(
             model=str(GALLERY / "branch-tiers" / "branch-tiers.l"), environment={"type": "honda", "radius": 0.5}, steps=6,

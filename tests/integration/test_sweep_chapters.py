@@ -9,6 +9,8 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -93,7 +95,9 @@ class Chapter(unittest.TestCase):
 
     @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes long: ./dev test --all sweep")
     def test_long_patterns_filter_the_sets_and_the_planted_one_survives(self) -> None:
-        report = script("patterns").filtered()
+        module = script("patterns")
+        report = module.filtered()
+        self.assertEqual(report.sets, 10_000)
         self.assertGreaterEqual(len(report.filters), 4)
         self.assertGreaterEqual(len(report.held_out), 2)
         self.assertTrue(report.planted_survives)
@@ -101,7 +105,9 @@ class Chapter(unittest.TestCase):
         self.assertGreater(len(report.survivors), 3)
         # the survivors foretell patterns that have not filtered them
         self.assertGreater(report.hit_rate, 3 * report.hit_rate_of_all)
-
+        # they lie around the planted set, which is none of them
+        planted = NUMPY.array([module.PLANTED[name] for name in module.PLAN["parameters"]])
+        self.assertTrue((report.survivors.min(axis=0) < planted).all() and (planted < report.survivors.max(axis=0)).all())
 
     def test_measured_trees_are_likeliest_near_the_set_that_made_them(self) -> None:
         module = script("measured")
@@ -243,6 +249,46 @@ class ModelAsFunction(unittest.TestCase):
         self.assertTrue(NUMPY.isfinite(values[0]).all() and NUMPY.isnan(values[1]).all())
         self.assertEqual([row for row, _ in model.failures], [1])
         self.assertIn("modules", model.failures[0][1])
+
+    def test_a_machine_over_ssh_makes_the_runs(self) -> None:
+        # a stand-in for ssh: as the real one, it gives the words after the host to a shell of another working folder
+        with tempfile.TemporaryDirectory() as folder:
+            ssh = Path(folder, "ssh")
+            ssh.write_text('#!/bin/sh\necho "$@" >"$0.log"\nwhile [ "$1" != -- ]; do shift; done\nshift 2\ncd / && exec sh -c "$*"\n',
+                           encoding="utf-8")
+            ssh.chmod(0o755)
+            here = self.model()
+            with unittest.mock.patch.dict(os.environ, {"PATH": f"{folder}:{os.environ['PATH']}"}):
+                there = self.model(host="node7")
+            rows = [[1, 0.3], [2, 0.2]]
+            self.assertEqual(there.run(rows, seeds=[1, 2]).tolist(), here.run(rows, seeds=[1, 2]).tolist())
+            self.assertIn("-- node7 ", Path(folder, "ssh.log").read_text(encoding="utf-8"))
+
+    def test_what_goes_wrong_in_runs_is_a_python_warning_once(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, "m.l")
+            file.write_text("#define Z 0\nLsystem: 1\nderivation length: 2\nStart: { w = 1; }\nAxiom: A(1)\n"
+                            "A(x) : w < 0 --> A(log(w))\nA(x) --> A(x/Z)\nB(x) --> B\nendlsystem\n", encoding="utf-8")
+            measures = {"n": {"count": "A"}, "b": {"mean": "x", "of": "A(x)", "where": "x > 2"}}
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                with espalier.Model(file, parameters=["w"], measures=measures, program=program(), workers=1) as model:
+                    model.run([[1.0], [-1.0], [2.0]])
+                    model.run([[1.0], [-1.0], [2.0]])
+                texts = [str(one.message) for one in caught]
+                self.assertTrue(all(one.category is espalier.RunWarning for one in caught))
+                self.assertTrue(any("m.l:7:" in text and "division by 0" in text for text in texts), texts)
+                self.assertEqual([text for text in texts if "runs failed" in text][0][:24], "1 of 3 runs failed; thei")
+                self.assertIn("The measure 'b' has no value in 2 of 3 runs; it is NaN there. The first is row 0.", texts)
+                self.assertEqual(len(texts), len(set(texts)))
+                self.assertEqual(sum("has no value" in text for text in texts), 1)
+                self.assertTrue(any("division by 0" in text for text in model.warnings), model.warnings)
+                caught.clear()
+                plan = Path(folder, "plan.json")
+                plan.write_text(json.dumps({"model": "m.l", "measures": measures, "runs": {"rows": [{"w": 1}, {"w": -1}]}}),
+                                encoding="utf-8")
+                espalier.sweep.run(plan, f"{folder}/r.sqlite", program=program())
+                self.assertIn("1 of 2 runs failed. The first is run 2", str(caught[0].message))
 
     def test_mistakes(self) -> None:
         with self.assertRaisesRegex(espalier.ServerFailed, "parameters.lenght.*Did you mean 'length'"):

@@ -33,6 +33,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// with --pipe: the plan is the first line of standard input
+constexpr const char* kStandardInput = "-";
+
 struct SweepOptions {
   std::string plan;
   std::string output;
@@ -82,16 +85,26 @@ struct Prepared {
   RunTable table;
 };
 
+// a line of standard input, which carries binary requests after it
+std::string readLine() {
+  std::string line;
+  for (int c = std::getchar(); c != EOF && c != '\n'; c = std::getchar()) {
+    line += static_cast<char>(c);
+  }
+  return line;
+}
+
 std::optional<Prepared> readPlanFile(const std::string& file, bool isPiped) {
   server::DiskFileProvider files;
-  const std::optional<std::string> text = files.read(file);
+  const bool isLine = isPiped && file == kStandardInput;
+  const std::optional<std::string> text = isLine ? readLine() : files.read(file);
   if (!text) {
     printError("there is no plan '" + file + "': check the name and the working folder");
     return std::nullopt;
   }
   Result<Plan> plan = readPlan(*text);
   if (!plan) {
-    printError(file + ": " + plan.error());
+    printError((isLine ? "the plan" : file) + ": " + plan.error());
     return std::nullopt;
   }
   Prepared prepared{
@@ -264,7 +277,27 @@ class SweepReport {
   ProgressBar bar_;
 };
 
-int finish(const SweepProgress& last, const SweepOptions& options) {
+// the measures without a value: their cells are empty
+void reportMissing(const SweepProgress& last, const std::vector<std::string>& columns) {
+  constexpr std::size_t kMostLines = 5;
+  const std::uint64_t ended = last.done - last.started - last.failed;
+  std::size_t lines = 0;
+  std::size_t more = 0;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const MissingValues& missing = last.missing[i];
+    if (missing.count > 0 && ++lines <= kMostLines) {
+      printNote("the measure '" + columns[i] + "' has no value in " + std::to_string(missing.count) + " of " +
+                std::to_string(ended) + " runs. The first is run " + std::to_string(missing.firstRun));
+    } else if (missing.count > 0) {
+      ++more;
+    }
+  }
+  if (more > 0) {
+    printNote("and " + std::to_string(more) + " more measures have no value in some runs");
+  }
+}
+
+int finish(const SweepProgress& last, const SweepOptions& options, const std::vector<std::string>& columns) {
   const std::uint64_t made = last.done - last.started;
   if (last.failed > 0) {
     printNote(std::to_string(last.failed) + " of " + std::to_string(made) + " runs failed. The first is run " +
@@ -272,6 +305,9 @@ int finish(const SweepProgress& last, const SweepOptions& options) {
   }
   if (!last.firstWarning.empty()) {
     printNote("warning in run " + std::to_string(last.firstWarned) + " and perhaps in others: " + last.firstWarning);
+  }
+  if (!options.isQuiet) {
+    reportMissing(last, columns);
   }
   if (last.done < last.total) {
     printNote("stopped: '" + options.output + "' has " + std::to_string(last.done) + " of " +
@@ -299,7 +335,7 @@ int runPlan(const SweepOptions& options) {
     return printTable(prepared->plan, prepared->table) ? kSuccess : kFailure;
   }
   server::DiskFileProvider files;
-  const std::unique_ptr<SweptModel> model = loadSweptModel(*prepared, options.isQuiet || options.isPiped, files);
+  const std::unique_ptr<SweptModel> model = loadSweptModel(*prepared, options.isQuiet, files);
   if (!model) {
     return kFailure;
   }
@@ -346,7 +382,7 @@ int runPlan(const SweepOptions& options) {
     printError(*problem);
     return kFailure;
   }
-  return finish(last, options);
+  return finish(last, options, model->measureColumns());
 }
 
 int run(const SweepOptions& options) {
@@ -444,9 +480,10 @@ void addSweep(CLI::App& program, int& status) {
       });
   command->add_flag("--table", options->printsTable, "Only print the runs: their numbers, seeds and parameters");
   command->add_flag("--schema", options->printsSchema, "Only print the JSON Schema of plans");
-  command->add_flag(
-      "--pipe", options->isPiped,
-      "Read parameters from standard input and write measures to standard output, for programs (docs/sweeps.md)");
+  command->add_flag("--pipe", options->isPiped,
+                    "Read parameters from standard input and write measures to standard output, for programs "
+                    "(docs/sweeps.md). The plan\n"
+                    "may be -, the first line of standard input");
   command->add_flag("--slurm", options->usesSlurm, "Submit the sweep as an array of Slurm jobs");
   addWholeNumber(*command, "--slices", "Jobs of the array", 1, 1'000'000, [options](std::uint64_t slices) {
     options->slices = slices;

@@ -122,7 +122,8 @@ std::optional<std::string> mergeResults(const std::vector<std::string>& files, c
       }
       merged.emplace(std::move(*made));
     } else if (const auto difference = differenceOf(merged->description(), part->description()); !difference.empty()) {
-      return "'" + file + "' is no part of the sweep of '" + files.front() + "': " + difference;
+      return "'" + file + "' is no part of the sweep of '" + files.front() + "': " + difference +
+             ". Make it again with the plan, the model and the program of the others";
     }
     // rows that are there already are compared, the others are added
     const Result<std::vector<bool>> finished = merged->finishedRuns();

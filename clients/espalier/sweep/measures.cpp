@@ -178,6 +178,17 @@ bool Measures::areTakenAt(std::uint64_t step) const {
   });
 }
 
+std::optional<std::pair<std::string, std::uint64_t>> Measures::takenAfter(std::uint64_t last) const {
+  for (const Measure& measure : measures_) {
+    for (const std::uint64_t step : measure.definition.steps) {
+      if (step > last) {
+        return std::pair(measure.definition.name, step);
+      }
+    }
+  }
+  return std::nullopt;
+}
+
 void Measures::takeModules(const simulation::Simulation& simulation, const std::vector<Wanted>& wanted,
                            std::vector<double>& values) const {
   std::vector<Wanted> open;

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "clients/espalier/result.h"
@@ -34,6 +36,8 @@ class Measures {
                                                           std::vector<double>& values) const;
   /// Whether a measure is taken at a step before the last.
   [[nodiscard]] bool areTakenAt(std::uint64_t step) const;
+  /// The first measure with a step above `last`, and that step; nothing when there is none.
+  [[nodiscard]] std::optional<std::pair<std::string, std::uint64_t>> takenAfter(std::uint64_t last) const;
 
  private:
   struct Measure {

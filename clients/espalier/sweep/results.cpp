@@ -56,6 +56,11 @@ std::string sentenceOf(const std::string& file, const std::string& problem) {
   if (problem.find("not a database") != std::string::npos) {
     return "'" + file + "' is no file of results: give another name";
   }
+  if (problem.find("malformed") != std::string::npos) {
+    return "'" + file + "' is damaged, or was copied without '" + file +
+           "-wal', which holds the last runs of a sweep that was stopped: copy both, or make the runs anew into "
+           "another file";
+  }
   return "'" + file + "': " + problem;
 }
 

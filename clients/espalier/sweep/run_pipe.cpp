@@ -56,6 +56,7 @@ bool servePipe(SweptModel& model, unsigned workers) {
     }
     const std::vector<RunOutcome> outcomes = pool.run(table);
     nlohmann::json errors = nlohmann::json::array();
+    nlohmann::json warnings = nlohmann::json::array();
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
       if (!write(outcomes[i].values.data(), outcomes[i].values.size() * sizeof(double))) {
         return false;
@@ -63,8 +64,12 @@ bool servePipe(SweptModel& model, unsigned workers) {
       if (!outcomes[i].error.empty()) {
         errors.push_back({i, outcomes[i].error});
       }
+      if (!outcomes[i].warning.empty()) {
+        warnings.push_back({i, outcomes[i].warning});
+      }
     }
-    const std::string text = errors.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    const nlohmann::json remarks = {{"failures", errors}, {"warnings", warnings}};
+    const std::string text = remarks.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     const std::uint64_t size = text.size();
     if (!write(&size, sizeof size) || !write(text.data(), text.size()) || std::fflush(stdout) != 0) {
       return false;

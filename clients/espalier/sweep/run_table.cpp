@@ -72,7 +72,7 @@ Result<GivenRows> readTable(const std::string& file, std::string_view text) {
     const std::vector<std::string_view> cells = cellsOf(line, separator);
     if (cells.size() != given.names.size()) {
       return problem(place + ": the line has " + std::to_string(cells.size()) + " values, and the first line " +
-                     std::to_string(given.names.size()) + " names");
+                     std::to_string(given.names.size()) + " names: give a value for each name");
     }
     std::vector<double>& row = given.rows.emplace_back();
     for (std::size_t i = 0; i < cells.size(); ++i) {

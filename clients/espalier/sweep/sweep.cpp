@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -69,6 +70,7 @@ std::optional<std::string> runSweep(SweptModel& model, const RunTable& table, co
     }
   }
   last.started = last.done;
+  last.missing.resize(model.measureColumns().size());
 
   std::atomic<std::size_t> next{0};
   std::atomic<bool> hasFailed{false};
@@ -114,6 +116,13 @@ std::optional<std::string> runSweep(SweptModel& model, const RunTable& table, co
         if (last.failed++ == 0 || row.run < last.firstFailed) {
           last.firstFailed = row.run;
           last.firstError = row.outcome.error;
+        }
+        continue;
+      }
+      for (std::size_t i = 0; i < last.missing.size(); ++i) {
+        MissingValues& empty = last.missing[i];
+        if (std::isnan(row.outcome.values[i]) && (empty.count++ == 0 || row.run < empty.firstRun)) {
+          empty.firstRun = row.run;
         }
       }
     }

@@ -15,6 +15,12 @@
 
 namespace espalier::command {
 
+/// Runs that reached their end without a value of a measure.
+struct MissingValues {
+  std::uint64_t count = 0;
+  std::uint64_t firstRun = 0;
+};
+
 /// How far a sweep has come.
 struct SweepProgress {
   std::uint64_t done = 0;     // finished runs of the slice, those of earlier calls included
@@ -24,8 +30,9 @@ struct SweepProgress {
   std::uint64_t firstFailed = 0;
   std::string firstError;  // of run firstFailed
   std::uint64_t firstWarned = 0;
-  std::string firstWarning;  // of run firstWarned; empty: the model and the measures gave no warning
-  double seconds = 0.0;      // since the call
+  std::string firstWarning;            // of run firstWarned; empty: the model and the measures gave no warning
+  std::vector<MissingValues> missing;  // by column of the measures, of the runs of this call
+  double seconds = 0.0;                // since the call
 };
 
 /// Makes all runs of the slice that `results` does not have, with `workers` threads. Rows are added in transactions of

@@ -35,6 +35,16 @@ std::string hexText(std::uint64_t value) {
   return text;
 }
 
+std::vector<std::string> warningsOf(const language::CompileResult& compiled) {
+  std::vector<std::string> warnings;
+  for (const core::Diagnostic& diagnostic : compiled.diagnostics.entries()) {
+    if (diagnostic.severity == core::Severity::Warning) {
+      warnings.push_back(core::formatDiagnostic(diagnostic));
+    }
+  }
+  return warnings;
+}
+
 /// Discards the files of the model.
 class NoFiles final : public core::FileWriter {
  public:
@@ -99,7 +109,13 @@ Result<std::shared_ptr<const ModelVariant>> SweptModel::compile(std::span<const 
   if (!measures) {
     return problem(measures.error());
   }
-  return std::make_shared<const ModelVariant>(ModelVariant{compiled.program, std::move(*measures)});
+  const std::vector<std::string> warnings = warningsOf(compiled);
+  const auto isKnown = [this](const std::string& warning) {
+    return std::find(knownWarnings_.begin(), knownWarnings_.end(), warning) != knownWarnings_.end();
+  };
+  const auto unknown = std::find_if_not(warnings.begin(), warnings.end(), isKnown);
+  return std::make_shared<const ModelVariant>(
+      ModelVariant{compiled.program, std::move(*measures), unknown == warnings.end() ? std::string() : *unknown});
 }
 
 std::optional<std::string> SweptModel::findParameters(const language::Program& program) {
@@ -144,6 +160,23 @@ std::optional<std::string> SweptModel::findParameters(const language::Program& p
   return problems.empty() ? std::nullopt : std::optional(problems);
 }
 
+// a measure after the last step that the model has; parameters that are macros may change the number of steps
+std::optional<std::string> SweptModel::findLateMeasures() const {
+  const Plan& plan = input_.plan;
+  const bool isLengthKnown =
+      !plan.steps && std::none_of(plan.parameters.begin(), plan.parameters.end(), [](const SweepParameter& parameter) {
+        return parameter.kind == ParameterKind::Define;
+      });
+  const std::uint64_t length = first_->program->derivationLength;
+  const auto late = isLengthKnown ? first_->measures.takenAfter(length) : std::nullopt;
+  if (!late) {
+    return std::nullopt;
+  }
+  return "measures." + late->first + ".at: there is no step " + std::to_string(late->second) +
+         ": the derivation length of the model is " + std::to_string(length) +
+         ". Give a step up to that, or more steps with the plan's member 'steps'";
+}
+
 Result<std::unique_ptr<SweptModel>> SweptModel::make(SweepInput input, std::span<const double> firstRow,
                                                      core::FileProvider& files) {
   std::unique_ptr<SweptModel> model(new SweptModel(std::move(input), files));
@@ -152,6 +185,7 @@ Result<std::unique_ptr<SweptModel>> SweptModel::make(SweepInput input, std::span
   if (!plain.program) {
     return problem(model->compile({}).error());
   }
+  model->knownWarnings_ = warningsOf(plain);
   if (const auto mistake = model->findParameters(*plain.program)) {
     return problem(*mistake);
   }
@@ -168,6 +202,9 @@ Result<std::unique_ptr<SweptModel>> SweptModel::make(SweepInput input, std::span
       std::string(ESPALIER_VERSION) + " " + hexText(plain.program->hash) + " " + model->input_.configuration;
   if (const auto slots = model->variableSlots(*model->first_->program); !slots) {
     return problem(slots.error());
+  }
+  if (const auto mistake = model->findLateMeasures()) {
+    return problem(*mistake);
   }
   return model;
 }
@@ -236,6 +273,7 @@ std::optional<std::string> ModelRunner::prepareVariant(std::span<const double> r
     simulation_.reset();
     startValues_.reset();
     variant_ = *variant;
+    warning_ = variant_->warning;
     if (!values.empty()) {
       const Result<std::vector<std::size_t>> slots = model_.variableSlots(*variant_->program);
       if (!slots) {
@@ -314,6 +352,12 @@ std::string ModelRunner::grow(std::uint64_t seed, std::uint64_t run, const Plant
       break;
     }
     failure = simulation.step();
+  }
+  const auto late = measures.takenAfter(simulation.completedSteps());
+  if (!failure && late && warning_.empty()) {
+    warning_ = "measures." + late->first + ".at: the run has ended with step " +
+               std::to_string(simulation.completedSteps()) + ", so that there is no value of step " +
+               std::to_string(late->second);
   }
   if (failure) {
     return (failure->message.starts_with("step ") ? "" : "step " + std::to_string(failure->step) + ": ") +

@@ -36,6 +36,7 @@ struct SweepInput {
 struct ModelVariant {
   std::shared_ptr<const language::Program> program;
   Measures measures;
+  std::string warning{};  // the first of the compiler that the model without the parameters does not have
 };
 
 /// The model of a sweep: its parameters found, and compiled once for each set of macros. Several threads may use it.
@@ -64,10 +65,12 @@ class SweptModel {
   [[nodiscard]] Result<std::shared_ptr<const ModelVariant>> compile(std::span<const double> row) const;
   [[nodiscard]] language::CompileInput inputFor(std::span<const double> row) const;
   [[nodiscard]] std::optional<std::string> findParameters(const language::Program& program);
+  [[nodiscard]] std::optional<std::string> findLateMeasures() const;
 
   SweepInput input_;
   std::shared_ptr<Sources> sources_;
   std::string identity_;
+  std::vector<std::string> knownWarnings_;  // of the model without the parameters, which the caller has shown
   std::shared_ptr<const ModelVariant> first_;
   mutable std::mutex mutex_;
   // with mutex_ held: variants by the values of their macros, the newest in front

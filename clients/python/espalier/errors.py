@@ -62,6 +62,20 @@ class ServerFailed(EspalierError):
     """
 
 
+class RunWarning(UserWarning):
+    """A run of a model has a warning, has failed, or has no value of a measure. `warnings.filterwarnings("ignore",
+    category=espalier.RunWarning)` hides them.
+
+    >>> import warnings
+    >>> with warnings.catch_warnings(record=True) as caught, espalier.Model(
+    ...         "borchert-honda", steps=2, measures={"m": {"mean": "b", "of": "I(b,m,v,c)", "where": "b < 0"}}) as model:
+    ...     warnings.simplefilter("always")
+    ...     value = model([])
+    >>> str(caught[0].message)[:30]
+    "The measure 'm' has no value i"
+    """
+
+
 class ServerError(EspalierError):
     """The server refused a request.
 

@@ -23,10 +23,11 @@ import pathlib
 import sqlite3
 import subprocess
 import tempfile
+import warnings
 from dataclasses import dataclass
 from typing import Any, Dict, List, NamedTuple, Optional, Union
 
-from .errors import ServerFailed
+from .errors import RunWarning, ServerFailed
 from .model import require_numpy
 from .program import find_program
 
@@ -52,18 +53,26 @@ class Results:
 
 def call(*arguments: str, program: Optional[str] = None) -> str:
     """Standard output of the program with these arguments."""
+    return finished(*arguments, program=program).stdout
+
+
+def finished(*arguments: str, program: Optional[str] = None) -> "subprocess.CompletedProcess[str]":
+    """The program with these arguments, after its end."""
     done = subprocess.run([find_program() if program is None else program, "sweep", *arguments], capture_output=True,
                           text=True)
     if done.returncode != 0:
         raise ServerFailed(done.stderr.strip() or f"espalier sweep ended with status {done.returncode}.")
-    return done.stdout
+    return done
 
 
 def run(plan: Path, output: Path, *, workers: int = 0, slice: Optional[str] = None,
         program: Optional[str] = None) -> None:
-    """Makes the runs that `output` (.sqlite) does not have yet."""
+    """Makes the runs that `output` (.sqlite) does not have yet. Runs that failed, and the first warning of a run, are Python
+    warnings (RunWarning)."""
     more = [] if slice is None else ["--slice", slice]
-    call(os.fspath(plan), "-o", os.fspath(output), "--workers", str(workers), "--quiet", *more, program=program)
+    done = finished(os.fspath(plan), "-o", os.fspath(output), "--workers", str(workers), "--quiet", *more, program=program)
+    if done.stderr.strip():
+        warnings.warn(done.stderr.strip(), RunWarning, stacklevel=2)
 
 
 def results(output: Path, *, partial: bool = False, program: Optional[str] = None) -> Results:
