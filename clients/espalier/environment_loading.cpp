@@ -336,4 +336,9 @@ bool warnAboutUnansweredQueries(const language::Program& program, const LoadedEn
   return printDiagnostics(language::unansweredQueries(program, names), isQuiet, isStrict);
 }
 
+bool warnAboutUnaskedEnvironment(const language::Program& program, bool isQuiet, bool isStrict) {
+  const std::optional<core::Diagnostic> warning = language::unaskedEnvironment(program);
+  return !warning || printDiagnostics({*warning}, isQuiet, isStrict);
+}
+
 }  // namespace espalier::command

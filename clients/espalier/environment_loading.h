@@ -46,4 +46,7 @@ struct LoadedEnvironment {
 [[nodiscard]] bool warnAboutUnansweredQueries(const language::Program& program, const LoadedEnvironment* environment,
                                               bool isQuiet, bool isStrict);
 
+/// Warns when a model has no communication module that asks its environment. False: `isStrict` forbids it.
+[[nodiscard]] bool warnAboutUnaskedEnvironment(const language::Program& program, bool isQuiet, bool isStrict);
+
 }  // namespace espalier::command

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iterator>
 #include <new>
 #include <string>
@@ -15,6 +16,7 @@
 #include "clients/espalier/messages.h"
 #include "engine/core/check.h"
 #include "engine/core/diagnostic.h"
+#include "server/remote/partial_file.h"
 
 namespace {
 
@@ -103,13 +105,24 @@ int main(int argumentCount, char** arguments) {
 
   // a file that reaches the size limit is an error of that file and does not end the program
   std::signal(SIGXFSZ, SIG_IGN);
+  espalier::server::removePartialFilesAtSignals();
   int status = kSuccess;
   const auto named = std::find_if(kCommands.begin(), kCommands.end(), [&](const Command& command) {
     return argumentCount > 1 && command.name == arguments[1];
   });
 
+  // `espalier` and `espalier help` show what there is
+  const std::string_view word = argumentCount > 1 ? arguments[1] : "help";
+  const bool isHelp = word == "help";
+
   // name a mistyped command before its options are read
-  if (named == kCommands.end() && argumentCount > 1 && arguments[1][0] != '-') {
+  if (named == kCommands.end() && !isHelp && !word.starts_with('-')) {
+    std::error_code error;
+    if (std::filesystem::exists(arguments[1], error)) {
+      printError("'" + std::string(word) + "' is a file or folder, and a command stands before it: espalier run " +
+                 std::string(word) + " -o plant.png");
+      return kUsage;
+    }
     std::vector<std::string_view> names;
     std::transform(kCommands.begin(), kCommands.end(), std::back_inserter(names),
                    [](const Command& command) { return command.name; });
@@ -126,6 +139,16 @@ int main(int argumentCount, char** arguments) {
   }
 
   try {
+    if (isHelp) {
+      const auto asked = std::find_if(kCommands.begin(), kCommands.end(), [&](const Command& command) {
+        return argumentCount > 2 && command.name == arguments[2];
+      });
+      const CLI::App* const shown =
+          asked == kCommands.end() ? &program : program.get_subcommand(std::string(asked->name));
+      const std::string text = shown->help();
+      std::fwrite(text.data(), 1, text.size(), argumentCount > 1 ? stdout : stderr);
+      return argumentCount > 1 ? kSuccess : kUsage;
+    }
     program.parse(argumentCount, arguments);
   } catch (const CLI::Success& helpOrVersion) {
     return program.exit(helpOrVersion);

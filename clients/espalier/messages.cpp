@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <string>
 
+#include "engine/core/message_text.h"
 #include "server/remote/limits.h"
 
 namespace espalier::command {
@@ -17,7 +18,7 @@ void writeToStandardError(std::string_view text) {
 }  // namespace
 
 void printError(std::string_view sentence) {
-  writeToStandardError("error: " + std::string(sentence) + "\n");
+  writeToStandardError(core::messageText("error: " + std::string(sentence)) + "\n");
 }
 
 void printNote(std::string_view line) {
@@ -54,7 +55,7 @@ std::string formatSimulationError(const core::SimulationError& error) {
   std::string text = (needsStep ? "step " + std::to_string(error.step) + ": " : std::string{}) + error.message;
   // add how to set the limit
   if (error.code == core::SimulationErrorCode::LimitExceeded) {
-    if (const server::LimitEntry* limit = server::nameLimit(text)) {
+    if (const server::LimitEntry* limit = server::limitNamedIn(text)) {
       text += " (--limit " + std::string(limit->name) + "=N sets another bound.)";
     }
   }

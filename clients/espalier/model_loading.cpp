@@ -36,8 +36,41 @@ std::optional<std::string> whyUnreadable(const std::string& file, const char* op
   return std::string("there is no file '") + file + "' (" + option + "): check the name and the working folder";
 }
 
+// the first bracket of a string that has no partner
+std::vector<core::Diagnostic> bracketWarnings(const std::string& file, std::string_view text) {
+  std::vector<std::size_t> open;
+  std::size_t alone = std::string_view::npos;
+  for (std::size_t at = 0; at < text.size() && alone == std::string_view::npos; ++at) {
+    if (text[at] == '[') {
+      open.push_back(at);
+    } else if (text[at] == ']' && open.empty()) {
+      alone = at;
+    } else if (text[at] == ']') {
+      open.pop_back();
+    }
+  }
+  if (alone == std::string_view::npos && open.empty()) {
+    return {};
+  }
+  const bool isClosing = alone != std::string_view::npos;
+  const std::size_t at = isClosing ? alone : open.back();
+  const std::size_t begin = text.substr(0, at).rfind('\n') + 1;
+  const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+  return {{.severity = core::Severity::Warning,
+           .message = std::string(isClosing ? "this ']' closes no '['" : "this '[' is not closed") + " in the string",
+           .location = {.file = file,
+                        .line = static_cast<std::uint32_t>(line),
+                        .column = static_cast<std::uint32_t>(at - begin + 1),
+                        .length = 1,
+                        .lineText = std::string(text.substr(begin, text.find('\n', at) - begin)),
+                        .expansion = {}},
+           .hint = "a branch is opened and closed in the same string"}};
+}
+
 // the string in a file; the file may be an MTG
-std::optional<std::string> readStartString(const std::string& file, core::FileProvider& files, bool isQuiet) {
+std::optional<std::string> readStartString(const ModelOptions& options, core::FileProvider& files) {
+  const std::string& file = options.startFile;
+  const bool isQuiet = options.isQuiet;
   std::optional<std::string> text = files.read(file);
   if (!text) {
     printError("there is no file '" + file + "' (--from): check the name and the working folder");
@@ -74,6 +107,9 @@ std::optional<std::string> readStartString(const std::string& file, core::FilePr
   }
   if (text->find_first_not_of(" \t\r\n") == std::string::npos) {
     printError("'" + file + "' (--from) has no modules");
+    return std::nullopt;
+  }
+  if (!printDiagnostics(bracketWarnings(file, *text), isQuiet, options.remote.isStrict)) {
     return std::nullopt;
   }
   return text;
@@ -425,6 +461,9 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
       return std::nullopt;
     }
     loaded.environment = std::move(*environment);
+    if (!warnAboutUnaskedEnvironment(*loaded.program, options.isQuiet, options.remote.isStrict)) {
+      return std::nullopt;
+    }
   }
   if (!warnAboutUnansweredQueries(*loaded.program, options.environment.empty() ? nullptr : &loaded.environment,
                                   options.isQuiet, options.remote.isStrict)) {
@@ -439,7 +478,7 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
   loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
   loaded.simulationOptions.palette = loaded.folder.palette;
   if (!options.startFile.empty()) {
-    std::optional<std::string> start = readStartString(options.startFile, files, options.isQuiet);
+    std::optional<std::string> start = readStartString(options, files);
     if (!start) {
       return std::nullopt;
     }

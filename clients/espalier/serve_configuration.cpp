@@ -39,7 +39,8 @@ std::optional<std::string> applyOption(CLI::App& command, const CLI::ConfigItem&
   const bool isOfStore = item.parents == std::vector<std::string>{"store"} && item.name == kDurability;
   if (!isOfStore && (!item.parents.empty() || std::find(keys.begin(), keys.end(), item.name) == keys.end())) {
     const std::vector<std::string_view> views(keys.begin(), keys.end());
-    return "'" + item.fullname() + "' is not an option. " + core::suggestName(item.fullname(), views);
+    constexpr std::size_t kShown = 40;
+    return "'" + item.fullname().substr(0, kShown) + "' is not an option. " + core::suggestName(item.fullname(), views);
   }
   CLI::Option* const option = command.get_option("--" + item.name);
   // the command line wins; an empty value sets nothing

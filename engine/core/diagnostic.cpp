@@ -4,6 +4,8 @@
 #include <cctype>
 #include <utility>
 
+#include "engine/core/message_text.h"
+
 namespace espalier::core {
 namespace {
 
@@ -55,41 +57,6 @@ int editDistance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-/// Bytes of the UTF-8 character that begins at `at`; 0: none does.
-std::size_t characterBytes(std::string_view text, std::size_t at) {
-  const auto first = static_cast<unsigned char>(text[at]);
-  const std::size_t length = first < 0x80                     ? 1
-                             : first >= 0xC2 && first <= 0xDF ? 2
-                             : first >= 0xE0 && first <= 0xEF ? 3
-                             : first >= 0xF0 && first <= 0xF4 ? 4
-                                                              : 0;
-  if (length == 0 || at + length > text.size()) {
-    return 0;
-  }
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((static_cast<unsigned char>(text[at + i]) & 0xC0U) != 0x80U) {
-      return 0;
-    }
-  }
-  return length;
-}
-
-// a text that a terminal can show: each byte that is not UTF-8 is '?', each control character but TAB a blank
-void makePrintable(std::string& text) {
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t length = characterBytes(text, at);
-    if (length == 0) {
-      text[at] = '?';
-    } else if (length == 1 && text[at] != '\t' && (static_cast<unsigned char>(text[at]) < 0x20 || text[at] == 0x7F)) {
-      text[at] = ' ';
-    } else if (length == 2 && text[at] == '\xC2' && static_cast<unsigned char>(text[at + 1]) < 0xA0) {
-      // the second set of control characters
-      text[at] = text[at + 1] = ' ';
-    }
-    at += std::max<std::size_t>(length, 1);
-  }
-}
-
 /// A part of a line that fits the width of a message.
 struct LineExcerpt {
   std::string text;
@@ -98,8 +65,8 @@ struct LineExcerpt {
 };
 
 LineExcerpt excerptOf(const std::string& line, std::size_t place, std::size_t length) {
-  constexpr std::size_t kMostColumns = 200;
-  constexpr std::size_t kBefore = 120;  // columns before the place, of a line that is cut
+  constexpr std::size_t kMostColumns = 190;  // the number of the line stands before it
+  constexpr std::size_t kBefore = 120;       // columns before the place, of a line that is cut
   const auto isInside = [&](std::size_t i) {
     return i < line.size() && (static_cast<unsigned char>(line[i]) & 0xC0U) == 0x80U;
   };
@@ -124,11 +91,6 @@ LineExcerpt excerptOf(const std::string& line, std::size_t place, std::size_t le
   return excerpt;
 }
 
-std::string printable(std::string text) {
-  makePrintable(text);
-  return text;
-}
-
 }  // namespace
 
 std::string formatDiagnostic(const Diagnostic& diagnostic) {
@@ -143,7 +105,7 @@ std::string formatDiagnostic(const Diagnostic& diagnostic) {
   }
   text += severityWord(diagnostic.severity);
   text += ": ";
-  text += printable(diagnostic.message);
+  text += messageText(diagnostic.message, text.size());
   if (at.line > 0 && !at.lineText.empty()) {
     std::string number = std::to_string(at.line);
     number.insert(0, number.size() < 5 ? 5 - number.size() : 0, ' ');
@@ -170,7 +132,8 @@ std::string formatDiagnostic(const Diagnostic& diagnostic) {
     text += "\n   " + at.expansion;
   }
   if (!diagnostic.hint.empty()) {
-    text += "\n   hint: " + printable(diagnostic.hint);
+    constexpr std::string_view kHint = "   hint: ";
+    text += '\n' + std::string(kHint) + messageText(diagnostic.hint, kHint.size());
   }
   return text;
 }

@@ -183,7 +183,7 @@ void Derivation::Implementation::requireArity() const {
     context_.evaluator.failHere(core::SimulationErrorCode::LimitExceeded,
                                 "the module '" + std::string(program_.nameOf(type)) + "' has " +
                                     std::to_string(*tooLong) + " parameters, more than " + std::to_string(limit) +
-                                    " (limit maximumArity)");
+                                    " (limit arity)");
   }
 }
 

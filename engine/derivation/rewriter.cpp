@@ -286,10 +286,10 @@ void Rewriter::rewriteLevels(const ProductionList& list, const ContextRules& rul
       } else if (const Production* production = chooseFirst(list, rules, place, surroundings)) {
         const std::uint32_t depth = level.depth + 1;
         if (depth > limits_->maximumRecursion) {
-          evaluator_->failHere(core::SimulationErrorCode::LimitExceeded,
-                               "the nested rewriting is deeper than " + std::to_string(limits_->maximumRecursion) +
-                                   " (limit maximumRecursion)",
-                               production->range);
+          evaluator_->failHere(
+              core::SimulationErrorCode::LimitExceeded,
+              "the nested rewriting is deeper than " + std::to_string(limits_->maximumRecursion) + " (limit recursion)",
+              production->range);
         }
         level.module += production->predecessor.size();
         level.offset += parameterCount(*production);
@@ -344,12 +344,12 @@ void Rewriter::checkSize(std::uint64_t moduleCount, std::uint64_t parameterCount
   if (moduleCount > limits_->maximumModules) {
     evaluator_->failHere(
         core::SimulationErrorCode::LimitExceeded,
-        "the string has more than " + std::to_string(limits_->maximumModules) + " modules (limit maximumModules)");
+        "the string has more than " + std::to_string(limits_->maximumModules) + " modules (limit modules)");
   }
   if (moduleCount * 2 + parameterCount * 8 > limits_->maximumStringBytes) {
-    evaluator_->failHere(core::SimulationErrorCode::LimitExceeded, "the string needs more than " +
-                                                                       std::to_string(limits_->maximumStringBytes) +
-                                                                       " bytes (limit maximumStringBytes)");
+    evaluator_->failHere(
+        core::SimulationErrorCode::LimitExceeded,
+        "the string needs more than " + std::to_string(limits_->maximumStringBytes) + " bytes (limit stringBytes)");
   }
 }
 

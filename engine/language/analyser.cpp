@@ -218,7 +218,7 @@ void Analyser::defineArrays(LSystemSyntax& system, Scope& scope) {
       continue;
     }
     if (count + system.arrayElementCount > limits_.maximumArrayElements) {
-      messages_.error(array.range, "the arrays have more elements than the limit maximumArrayElements (" +
+      messages_.error(array.range, "the arrays have more elements than the limit arrayElements (" +
                                        std::to_string(limits_.maximumArrayElements) + ")");
       continue;
     }

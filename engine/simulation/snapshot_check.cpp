@@ -175,7 +175,7 @@ std::string problemOfFiles(const derivation::FileState& files, const language::P
                            const core::Limits& limits) {
   if (files.open.size() > limits.maximumOpenFiles) {
     return "it has " + count(files.open.size(), "open file") + ", more than " +
-           std::to_string(limits.maximumOpenFiles) + " (limit maximumOpenFiles)";
+           std::to_string(limits.maximumOpenFiles) + " (limit openFiles)";
   }
   for (const derivation::OpenFile& file : files.open) {
     if (file.file >= program.files.size()) {
@@ -197,7 +197,7 @@ std::string problemOfFiles(const derivation::FileState& files, const language::P
     }
     if (file.text.size() > limits.maximumFileBytes) {
       return "the content of the file '" + program.files[file.file].name + "' has more than " +
-             std::to_string(limits.maximumFileBytes) + " bytes (limit maximumFileBytes)";
+             std::to_string(limits.maximumFileBytes) + " bytes (limit fileBytes)";
     }
   }
   return {};
@@ -301,9 +301,9 @@ std::optional<core::SimulationError> sizeErrorOf(const SnapshotContent& content,
   }
   std::string what;
   if (modules > limits.maximumModules) {
-    what = std::to_string(limits.maximumModules) + " modules together (limit maximumModules)";
+    what = std::to_string(limits.maximumModules) + " modules together (limit modules)";
   } else if (bytes > limits.maximumStringBytes) {
-    what = std::to_string(limits.maximumStringBytes) + " bytes together (limit maximumStringBytes)";
+    what = std::to_string(limits.maximumStringBytes) + " bytes together (limit stringBytes)";
   } else {
     return std::nullopt;
   }

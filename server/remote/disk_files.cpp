@@ -72,8 +72,10 @@ bool isSpecial(const std::string& name) {
 
 AtomicFile::AtomicFile(std::string name) : name_(std::move(name)) {
   const bool isDirect = isSpecial(name_);
-  temporary_ = isDirect ? std::string() : temporaryNameFor(name_);
-  const std::string& opened = isDirect ? name_ : temporary_;
+  if (!isDirect) {
+    temporary_.emplace(temporaryNameFor(name_));
+  }
+  const std::string& opened = isDirect ? name_ : temporary_->name();
   const int flags = O_WRONLY | O_CLOEXEC | (isDirect ? O_APPEND : O_CREAT | O_TRUNC);
   descriptor_ = ::open(opened.c_str(), flags, 0666);
   failure_ = descriptor_ < 0 ? errno : 0;
@@ -82,9 +84,6 @@ AtomicFile::AtomicFile(std::string name) : name_(std::move(name)) {
 AtomicFile::~AtomicFile() {
   if (descriptor_ >= 0) {
     ::close(descriptor_);
-  }
-  if (!temporary_.empty()) {
-    ::unlink(temporary_.c_str());
   }
 }
 
@@ -118,11 +117,10 @@ std::optional<std::string> AtomicFile::finish() {
 
 std::optional<std::string> AtomicFile::commit() {
   static_cast<void>(finish());
-  if (failure_ == 0 && !temporary_.empty()) {
-    if (::rename(temporary_.c_str(), name_.c_str()) == 0) {
-      temporary_.clear();
-    } else {
-      failure_ = errno;
+  if (failure_ == 0 && temporary_) {
+    failure_ = temporary_->complete(name_);
+    if (failure_ == 0) {
+      temporary_.reset();
     }
   }
   return problem();

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "engine/core/streams.h"
+#include "server/remote/partial_file.h"
 
 namespace espalier::server {
 
@@ -20,7 +21,7 @@ class DiskFileProvider final : public core::FileProvider {
 
 /// A file that is written piece by piece and appears under its name only when it is complete. It writes a temporary
 /// file in the same folder and renames it. A device such as /dev/stdout is written directly. A file that is never
-/// committed leaves nothing behind.
+/// committed leaves nothing behind (PartialFile).
 class AtomicFile final : public core::ByteSink {
  public:
   explicit AtomicFile(std::string name);
@@ -37,11 +38,11 @@ class AtomicFile final : public core::ByteSink {
   [[nodiscard]] std::optional<std::string> commit();
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Whether it will be renamed into its place: not a device or the like.
-  [[nodiscard]] bool isRenamed() const { return !temporary_.empty(); }
+  [[nodiscard]] bool isRenamed() const { return temporary_.has_value(); }
 
  private:
   std::string name_;
-  std::string temporary_;  // empty: written directly
+  std::optional<PartialFile> temporary_;  // none: written directly, or committed
   int descriptor_ = -1;
   int failure_ = 0;  // errno of the first failure
   std::string buffered_;

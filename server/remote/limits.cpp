@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <type_traits>
 #include <vector>
@@ -104,15 +105,14 @@ const LimitEntry* findLimit(std::string_view name) {
   return found == kEntries.end() ? nullptr : &*found;
 }
 
-const LimitEntry* nameLimit(std::string& message) {
-  constexpr std::string_view kPrefix = "maximum";
-  for (const LimitEntry& entry : limitEntries()) {
-    std::string word = std::string(kPrefix) + std::string(entry.name);
-    word[kPrefix.size()] = static_cast<char>(word[kPrefix.size()] - 'a' + 'A');
-    const std::size_t at = message.find(word);
-    if (at != std::string::npos) {
-      message.replace(at, word.size(), entry.name);
-      return &entry;
+const LimitEntry* limitNamedIn(std::string_view message) {
+  constexpr std::string_view kWord = "limit ";
+  for (std::size_t at = message.find(kWord); at != std::string_view::npos; at = message.find(kWord, at)) {
+    at += kWord.size();
+    const std::string_view rest = message.substr(at);
+    const auto end = std::find_if(rest.begin(), rest.end(), [](unsigned char c) { return std::isalpha(c) == 0; });
+    if (const LimitEntry* entry = findLimit(rest.substr(0, static_cast<std::size_t>(end - rest.begin())))) {
+      return entry;
     }
   }
   return nullptr;

@@ -59,9 +59,8 @@ struct LimitEntry {
 /// Null: there is none of that name.
 [[nodiscard]] const LimitEntry* findLimit(std::string_view name);
 
-/// The limit that a message of the engine names, which is renamed in it from the engine's word (maximumModules) to the
-/// one that options and the wire use (modules). Null: none.
-const LimitEntry* nameLimit(std::string& message);
+/// The limit that a message of the engine names: "(limit modules)". Null: none.
+[[nodiscard]] const LimitEntry* limitNamedIn(std::string_view message);
 
 /// Sets a limit. An error sentence for an unknown name or a value out of range.
 [[nodiscard]] std::optional<std::string> setLimit(ServerLimits& limits, std::string_view name, std::uint64_t value);

@@ -205,6 +205,12 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   hosted->setModelBytes(modelMemory.net());
   protocol::CreateResult result = createResultOf(*hosted);
   result.diagnostics = toRecords(models.diagnostics);
+  // in a forest other plants may ask
+  if (models.programs.size() == 1 && !hosted->processNames().empty()) {
+    if (const auto unasked = language::unaskedEnvironment(*models.programs.front())) {
+      result.diagnostics.push_back(toRecords({*unasked}).front());
+    }
+  }
   for (const auto& program : models.programs) {
     for (protocol::DiagnosticRecord& warning : toRecords(warningsOfRun(*program, *hosted))) {
       result.diagnostics.push_back(std::move(warning));

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <variant>
 
+#include "server/remote/partial_file.h"
 #include "server/store/database.h"
 #include "server/store/folder_lock.h"
 #include "server/store/schema.h"
@@ -33,13 +34,13 @@ std::optional<std::string> problemOfNewFile(const std::string& file) {
 
 /// Copies a database as it is at one moment, in pages that are packed. SQLite reads beside a server that writes.
 std::optional<std::string> copyDatabase(const std::string& from, const std::string& to) {
-  const std::string partial = to + ".partial";
+  PartialFile partial(to + ".partial");
   std::error_code ignored;
-  fs::remove(partial, ignored);
+  fs::remove(partial.name(), ignored);
   // SQLite writes into an empty file: so nobody else can read it at any moment
-  const int made = ::open(partial.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  const int made = ::open(partial.name().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (made < 0) {
-    return "'" + partial + "' cannot be written: " + std::generic_category().message(errno) + ".";
+    return "'" + partial.name() + "' cannot be written: " + std::generic_category().message(errno) + ".";
   }
   std::optional<std::string> problem;
   {
@@ -49,20 +50,19 @@ std::optional<std::string> copyDatabase(const std::string& from, const std::stri
       problem = "'" + from + "' was made by a newer Espalier. Use that.";
     } else if (!database.problem()) {
       Database::Statement copy(database, "VACUUM INTO ?");
-      copy.bind(1, std::string_view(partial)).run();
+      copy.bind(1, std::string_view(partial.name())).run();
     }
     if (!problem && database.problem()) {
       problem = "'" + from + "' cannot be copied to '" + to + "': " + *database.problem() +
                 ". Check both places and the room on the disk.";
     }
   }
-  if (!problem && (::fsync(made) != 0 || ::rename(partial.c_str(), to.c_str()) != 0)) {
-    problem = "'" + to + "' cannot be written: " + std::generic_category().message(errno) + ".";
+  if (!problem) {
+    if (const int reason = ::fsync(made) != 0 ? errno : partial.complete(to)) {
+      problem = "'" + to + "' cannot be written: " + std::generic_category().message(reason) + ".";
+    }
   }
   ::close(made);
-  if (problem) {
-    fs::remove(partial, ignored);
-  }
   return problem;
 }
 

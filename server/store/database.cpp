@@ -11,6 +11,8 @@ Database::~Database() {
 void Database::fail() {
   if (!problem_) {
     problem_ = connection_ == nullptr ? "there is not enough memory" : sqlite3_errmsg(connection_);
+    const int code = connection_ == nullptr ? SQLITE_NOMEM : sqlite3_errcode(connection_);
+    isFileDamaged_ = code == SQLITE_CORRUPT || code == SQLITE_NOTADB;
   }
 }
 

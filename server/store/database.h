@@ -33,6 +33,8 @@ class Database {
   bool commit();
 
   [[nodiscard]] const std::optional<std::string>& problem() const { return problem_; }
+  /// Whether the problem is the file: it is damaged, or no database at all.
+  [[nodiscard]] bool isFileDamaged() const { return problem_ && isFileDamaged_; }
   void clearProblem() { problem_.reset(); }
 
   /// A prepared statement; its parameters are numbered from 1, its columns from 0.
@@ -72,6 +74,7 @@ class Database {
 
   sqlite3* connection_ = nullptr;
   std::optional<std::string> problem_;
+  bool isFileDamaged_ = false;  // of the problem
 };
 
 }  // namespace espalier::server

@@ -21,7 +21,8 @@ constexpr mode_t kOwnFolder = 0700;
 
 std::variant<FolderLock, std::string> lockFolder(const std::string& folder) {
   const auto failure = [&folder](const std::string& reason) {
-    return "cannot use the data folder '" + folder + "': " + reason + ". Give --data a folder that can be written.";
+    return "cannot use the data folder '" + folder + "': " + reason +
+           ". Give --data a folder that this user may read and write.";
   };
   std::error_code error;
   if (fs::create_directories(folder, error)) {

@@ -36,6 +36,15 @@ std::int64_t versionOf(Database& database) {
   return statement.next() ? statement.integer(0) : 0;
 }
 
+bool isOfAnotherProgram(Database& database) {
+  if (versionOf(database) > 0) {
+    return false;
+  }
+  Database::Statement statement(database,
+                                "SELECT count(*), sum(name = 'simulations') FROM sqlite_master WHERE type = 'table'");
+  return statement.next() && statement.integer(0) > 0 && statement.integer(1) == 0;
+}
+
 bool migrate(Database& database) {
   const std::int64_t version = versionOf(database);
   if (version > storeVersion()) {

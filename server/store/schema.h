@@ -20,6 +20,9 @@ namespace espalier::server {
 /// The version of an open database; 0: it is empty.
 [[nodiscard]] std::int64_t versionOf(Database& database);
 
+/// Whether an open database has tables, and none of them is ours.
+[[nodiscard]] bool isOfAnotherProgram(Database& database);
+
 /// Brings an open database to the present version, in one transaction: a program that is killed meanwhile leaves the
 /// old version whole. Failures are in problem(). False: the database is of a newer version, and nothing was changed.
 [[nodiscard]] bool migrate(Database& database);

@@ -105,7 +105,8 @@ std::string Store::Implementation::problemText(const char* what, const std::stri
 
 std::optional<std::string> Store::Implementation::open(std::uint64_t maximumBytes) {
   const auto failure = [this](const std::string& reason) {
-    return "cannot use the data folder '" + folder_ + "': " + reason + ". Give --data a folder that can be written.";
+    return "cannot use the data folder '" + folder_ + "': " + reason +
+           ". Give --data a folder that this user may read and write.";
   };
   auto locked = lockFolder(folder_);
   if (auto* problem = std::get_if<std::string>(&locked)) {
@@ -121,6 +122,9 @@ std::optional<std::string> Store::Implementation::open(std::uint64_t maximumByte
     }
   }
   database_.open(file);
+  if (isOfAnotherProgram(database_)) {
+    return "the database '" + file + "' was made by another program. Give --data another folder.";
+  }
   if (!migrate(database_)) {
     return "the data folder '" + folder_ + "' was made by a newer Espalier. Use that, or give --data another folder.";
   }
@@ -139,6 +143,10 @@ std::optional<std::string> Store::Implementation::open(std::uint64_t maximumByte
     database_.execute(("PRAGMA max_page_count = " + std::to_string(maximumBytes / kPageBytes + 1)).c_str());
   }
   if (database_.problem()) {
+    if (database_.isFileDamaged()) {
+      return "the database '" + file + "' is damaged, or it is no database: " + *database_.problem() +
+             ". Make a new data folder of a backup (espalier restore FILE NEW-FOLDER), or give --data another folder.";
+    }
     return failure(*database_.problem() + " (" + kStoreFile + ")");
   }
   return openLog();

@@ -30,7 +30,7 @@ std::shared_ptr<const language::Program> checkOne(ModelOptions& options, core::F
   std::optional<LoadedEnvironment> environment;
   if (!options.environment.empty()) {
     environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.remote);
-    if (!environment) {
+    if (!environment || !warnAboutUnaskedEnvironment(*program, options.isQuiet, options.remote.isStrict)) {
       return nullptr;
     }
   }

@@ -36,6 +36,11 @@ int format(FormatOptions& options) {
   }
   server::DiskFileProvider files;
   if (const auto foreign = language::translateForeign(input, files)) {
+    // a file without text, or of a program that no dialect reads
+    if (foreign->dialect == nullptr) {
+      printDiagnostics(foreign->diagnostics.entries(), true);
+      return kFailure;
+    }
     printError("'" + input.modelFile + "' is written as " + std::string(foreign->dialect->title) +
                ": `espalier format` lays out cpfg models only. `espalier convert` translates the file to cpfg");
     return kFailure;

@@ -117,6 +117,21 @@ int runServe(CLI::App& command, ServeOptions& options) {
     printError("'" + options.http + "' is not an address: write HOST:PORT, for example 127.0.0.1:8080");
     return kUsage;
   }
+  for (const std::string& origin : options.server.allowedOrigins) {
+    if (origin.find("://") == std::string::npos) {
+      printError("--allow-origin '" + origin + "' is no origin of a page: write https://HOST or https://HOST:PORT");
+      return kUsage;
+    }
+  }
+  for (const std::string& address : options.server.remote.addresses) {
+    std::string host;
+    std::uint16_t port = 0;
+    if (address != "any" && !server::splitAddress(address, host, port)) {
+      printError("--allow-dial '" + address +
+                 "' is not an address: write HOST:PORT, for example 127.0.0.1:4000, or any");
+      return kUsage;
+    }
+  }
   for (const std::string& limit : options.limits) {
     if (const auto problem = server::setLimit(options.server.limits, limit)) {
       printError(*problem);
@@ -146,6 +161,14 @@ int runServe(CLI::App& command, ServeOptions& options) {
                           {"/studio.js", "text/javascript; charset=utf-8", web::script()},
                           {"/studio.css", "text/css; charset=utf-8", web::style()}};
   HandbookFiles handbook;
+  if (options.http.empty() && !options.handbook.empty()) {
+    printError("--handbook is for browsers, and no address for them is given: add --http HOST:PORT");
+    return kUsage;
+  }
+  if (options.http.empty() && !options.server.allowedOrigins.empty()) {
+    printError("--allow-origin is for browsers, and no address for them is given: add --http HOST:PORT");
+    return kUsage;
+  }
   if (!options.http.empty()) {
     auto read = HandbookFiles::read(options.handbook.empty() ? server::handbookOfProgram() : options.handbook);
     if (!read && !options.handbook.empty()) {

@@ -27,6 +27,7 @@
 #include "server/remote/disk_files.h"
 #include "server/remote/limits.h"
 #include "server/remote/models/gallery.h"
+#include "server/remote/partial_file.h"
 
 namespace espalier::command {
 namespace {
@@ -59,7 +60,7 @@ std::atomic<bool> isInterrupted{false};
 // the first signal lets the running runs finish; the second ends the program
 void noteSignal(int signal) {
   isInterrupted = true;
-  std::signal(signal, SIG_DFL);
+  server::removePartialFilesAtSignal(signal);
 }
 
 // a name of the plan: in the folder of the plan, in the working folder, or of the gallery

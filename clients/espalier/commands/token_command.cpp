@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -46,6 +47,10 @@ int runNewToken(const TokenOptions& options) {
     token.expires = server::readTime(options.expires);
     if (!token.expires) {
       printError("--expires '" + options.expires + "' is no time: write 2027-01-31 or 2027-01-31T12:00:00Z (UTC)");
+      return kUsage;
+    }
+    if (token.isExpired(std::chrono::system_clock::now())) {
+      printError("--expires '" + options.expires + "' is past: no server would accept the token. Give a later day");
       return kUsage;
     }
   }

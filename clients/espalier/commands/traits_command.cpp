@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <variant>
@@ -70,6 +71,18 @@ std::optional<std::string> tableOfModel(const TraitsOptions& options, server::Di
   return std::nullopt;
 }
 
+/// The first trait of a table that is not finite, with its order; empty: all are finite.
+std::string infiniteTrait(const std::string& table) {
+  std::istringstream lines(table);
+  for (std::string line; std::getline(lines, line);) {
+    const std::string value = line.substr(line.rfind('\t') + 1);
+    if (value == "inf" || value == "-inf" || value == "nan" || value == "-nan") {
+      return line.substr(0, line.find('\t'));
+    }
+  }
+  return {};
+}
+
 int run(const TraitsOptions& options) {
   server::DiskFileProvider files;
   std::optional<std::string> table;
@@ -89,6 +102,10 @@ int run(const TraitsOptions& options) {
     table = tableOfModel(options, files);
   }
   if (!table) {
+    return kFailure;
+  }
+  if (const std::string trait = infiniteTrait(*table); !trait.empty()) {
+    printError("the trait '" + trait + "' is not a finite number: bound the lengths, widths and places of the plant");
     return kFailure;
   }
   std::cout << *table << std::flush;

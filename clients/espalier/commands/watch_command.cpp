@@ -14,6 +14,7 @@
 #include "clients/espalier/output/outputs.h"
 #include "engine/core/hash.h"
 #include "server/remote/disk_files.h"
+#include "server/remote/partial_file.h"
 
 namespace espalier::command {
 namespace {
@@ -26,7 +27,7 @@ volatile std::sig_atomic_t interruptions = 0;  // SIGINT and SIGTERM received so
 void interrupt(int signal) {
   interruptions = interruptions + 1;
   if (interruptions > 1) {
-    std::signal(signal, SIG_DFL);
+    server::removePartialFilesAtSignal(signal);
     std::raise(signal);
   }
 }

@@ -10,7 +10,6 @@
 #include <cctype>
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <vector>
@@ -55,7 +54,6 @@ Movie::~Movie() {
   if (child_ > 0) {
     ::kill(child_, SIGKILL);
     static_cast<void>(wait());
-    std::remove(partial_.c_str());
   }
 }
 
@@ -73,8 +71,9 @@ int Movie::wait() {
 
 std::optional<std::string> Movie::begin(const std::string& file, unsigned framesPerSecond) {
   file_ = file;
-  partial_ =
-      fs::path(file).replace_filename("." + fs::path(file).stem().string() + "-partial" + suffixOf(file)).string();
+  const fs::path partial =
+      fs::path(file).replace_filename("." + fs::path(file).stem().string() + "-partial" + suffixOf(file));
+  partial_.emplace(partial.string());
   std::array<int, 2> pipe{-1, -1};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) {
     return "cannot start ffmpeg: " + std::string(std::strerror(errno));
@@ -84,7 +83,7 @@ std::optional<std::string> Movie::begin(const std::string& file, unsigned frames
                                  "-i",         "-"};
   const std::vector<std::string> codec = codecOf(suffixOf(file));
   words.insert(words.end(), codec.begin(), codec.end());
-  words.push_back(fs::path(partial_).is_absolute() ? partial_ : "./" + partial_);
+  words.push_back(partial.is_absolute() ? partial.string() : "./" + partial.string());
   std::vector<char*> arguments;
   std::ranges::transform(words, std::back_inserter(arguments), [](std::string& word) { return word.data(); });
   arguments.push_back(nullptr);
@@ -124,13 +123,10 @@ std::optional<std::string> Movie::add(std::string_view png) {
 
 std::optional<std::string> Movie::finish() {
   if (wait() != 0) {
-    std::remove(partial_.c_str());
     return "ffmpeg could not make '" + file_ + "': its message is above";
   }
-  if (std::rename(partial_.c_str(), file_.c_str()) != 0) {
-    const std::string reason = std::strerror(errno);
-    std::remove(partial_.c_str());
-    return "cannot write '" + file_ + "': " + reason;
+  if (const int reason = partial_->complete(file_)) {
+    return "cannot write '" + file_ + "': " + std::strerror(reason);
   }
   return std::nullopt;
 }

@@ -9,6 +9,7 @@
 
 #include "clients/espalier/output/outputs.h"
 #include "engine/simulation/simulation.h"
+#include "server/remote/partial_file.h"
 
 namespace espalier::command {
 
@@ -34,9 +35,9 @@ class Movie {
   [[nodiscard]] int wait();
 
   std::string file_;
-  std::string partial_;  // the file while it is written, beside the other
-  int input_ = -1;       // ffmpeg's standard input
-  int child_ = -1;       // process; -1: none
+  std::optional<server::PartialFile> partial_;  // the file while ffmpeg writes it, beside the other
+  int input_ = -1;                              // ffmpeg's standard input
+  int child_ = -1;                              // process; -1: none
 };
 
 /// The movies of a run. Errors are printed; a function returns false then.

@@ -234,7 +234,7 @@ void Evaluator::run(language::CodeRange code, double* frame) {
       if (++iterations > options_.limits.maximumLoopIterations) {
         failHere(core::SimulationErrorCode::LimitExceeded,
                  "a loop ran more than " + std::to_string(options_.limits.maximumLoopIterations) +
-                     " iterations (limit maximumLoopIterations)",
+                     " iterations (limit loopIterations)",
                  program_->codeRanges[at]);
       }
       if ((iterations & kCancelMask) == 0) {
@@ -283,7 +283,7 @@ double Evaluator::call(Function function, std::span<const double> arguments, std
       if (arguments[0] > static_cast<double>(options_.limits.maximumLoopIterations)) {
         failHere(core::SimulationErrorCode::LimitExceeded,
                  "biran would draw more than " + std::to_string(options_.limits.maximumLoopIterations) +
-                     " numbers (limit maximumLoopIterations)",
+                     " numbers (limit loopIterations)",
                  program_->codeRanges[at]);
       }
       return random_->binomial(arguments[0], arguments[1]);

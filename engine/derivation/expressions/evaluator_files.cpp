@@ -45,7 +45,7 @@ void Evaluator::printToFile(double handle, const std::string& format, std::span<
     case ModelFiles::Written::TooLong:
       failHere(core::SimulationErrorCode::LimitExceeded,
                "a file is longer than " + std::to_string(options_.limits.maximumFileBytes) +
-                   " bytes in one step (limit maximumFileBytes)",
+                   " bytes in one step (limit fileBytes)",
                program_->codeRanges[at]);
   }
 }

@@ -60,7 +60,7 @@ std::variant<double, std::string> ModelFiles::open(std::uint32_t file, const lan
       std::find_if(state_->open.begin(), state_->open.end(), [](const OpenFile& place) { return !place.isOpen; });
   const auto index = static_cast<std::size_t>(free - state_->open.begin());
   if (index >= limits_->maximumOpenFiles) {
-    return "more than " + std::to_string(limits_->maximumOpenFiles) + " files are open (limit maximumOpenFiles)";
+    return "more than " + std::to_string(limits_->maximumOpenFiles) + " files are open (limit openFiles)";
   }
   if (free == state_->open.end()) {
     state_->open.emplace_back();

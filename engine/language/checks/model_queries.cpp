@@ -67,6 +67,18 @@ std::vector<core::Diagnostic> unansweredQueries(const Program& program, const st
   return warnings;
 }
 
+std::optional<core::Diagnostic> unaskedEnvironment(const Program& program) {
+  if (program.hasQueries) {
+    return std::nullopt;
+  }
+  core::Diagnostic warning;
+  warning.severity = core::Severity::Warning;
+  warning.location.file = program.modelFile;
+  warning.message = "the environment has no effect: the model has no communication module ?E(x) that asks it";
+  warning.hint = "write ?E(x) where the plant asks, as in 'A?E(x) : x > 0 --> F A?E(0)'; or give no environment";
+  return warning;
+}
+
 std::vector<core::Diagnostic> unwrittenFiles(const Program& program) {
   std::vector<core::Diagnostic> warnings;
   for (std::size_t i = 0; i < program.code.size(); ++i) {

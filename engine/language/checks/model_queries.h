@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,9 @@ struct ModelQuery {
 /// letter case does not matter. Every process answers ?E(...). An empty list: there is no environment.
 [[nodiscard]] std::vector<core::Diagnostic> unansweredQueries(const Program& program,
                                                               const std::vector<std::string>& processNames);
+
+/// A warning that no module of the model asks the environment that it is given. Nothing: one does.
+[[nodiscard]] std::optional<core::Diagnostic> unaskedEnvironment(const Program& program);
 
 /// A warning for every fopen that writes, for callers that do not let models write files.
 [[nodiscard]] std::vector<core::Diagnostic> unwrittenFiles(const Program& program);

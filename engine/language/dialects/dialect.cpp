@@ -12,7 +12,7 @@
 #include "engine/language/dialects/lsystem_viewer.h"
 #include "engine/language/dialects/other_programs.h"
 #include "engine/language/dialects/species.h"
-#include "engine/language/dialects/textbook.h"
+#include "engine/language/dialects/textbook/textbook.h"
 #include "engine/language/dialects/turtle_painter.h"
 
 namespace espalier::language {

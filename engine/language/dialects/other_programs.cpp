@@ -29,6 +29,41 @@ bool declaresTypedModules(std::string_view text) {
   return false;
 }
 
+// `Premise: F` or `premise F`, and `Rule 1: A=FA`
+bool isHoudini(std::string_view text) {
+  bool hasPremise = false;
+  bool hasRule = false;
+  for (const TextPiece& line : linesOf(text)) {
+    const std::string code = lowered(line.trimmed().text);
+    hasPremise = hasPremise || code.starts_with("premise:") || code.starts_with("premise ") ||
+                 code.starts_with("premise=") || code.starts_with("premise\t");
+    hasRule = hasRule || (code.starts_with("rule") && holdsWord(code, "="));
+  }
+  return hasPremise && hasRule;
+}
+
+// `let axiom = "F";`, `rules = {"F": "FF"}`: a list of strings in the language of a program
+bool isProgram(std::string_view text) {
+  bool hasAxiom = false;
+  bool hasRules = false;
+  for (const TextPiece& line : linesOf(text)) {
+    const std::string code = lowered(line.trimmed().text);
+    const std::size_t equals = code.find('=');
+    if (equals == std::string::npos) {
+      continue;
+    }
+    const std::string_view name = std::string_view(code).substr(0, equals);
+    const std::string_view value = std::string_view(code).substr(equals + 1);
+    const bool isDeclared = name.starts_with("let ") || name.starts_with("var ") || name.starts_with("const ") ||
+                            name.starts_with("string ") || name.starts_with("char");
+    hasAxiom = hasAxiom || ((holdsWord(name, "axiom") || holdsWord(name, "sentence") || holdsWord(name, "start")) &&
+                            (isDeclared || value.find_first_of("\"'") != std::string_view::npos));
+    hasRules = hasRules || (holdsWord(name, "rule") && value.find_first_of("[{") != std::string_view::npos) ||
+               (holdsWord(name, "rule") && holdsWord(value, "new "));
+  }
+  return hasAxiom && hasRules;
+}
+
 }  // namespace
 
 ForeignFile fileWithoutText(std::string_view bytes) {
@@ -59,6 +94,16 @@ ForeignFile modelOfOtherProgram(std::string_view text) {
     return {"this is an L+C model for lpfg, and Espalier does not read L+C, which needs a C++ compiler",
             "write its productions in the language of docs/language.md: 'A(n) : n > 0 --> F(n)A(n-1)' in place of "
             "'produce'"};
+  }
+  if (isHoudini(text)) {
+    return {
+        "this is an L-system of Houdini, and Espalier does not read its rules",
+        "write the premise as 'axiom: A', and 'A(h):h>3=B(h):0.5' as 'A(h) : h>3 -> B(h) : 0.5'. Signs with another "
+        "meaning: docs/language.md, 2"};
+  }
+  if (isProgram(text)) {
+    return {"this is a program with an L-system in it, not a model",
+            "copy the axiom and the rules into a text file: 'axiom: F', 'F -> F+F', 'angle: 60'"};
   }
   return {};
 }

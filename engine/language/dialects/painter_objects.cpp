@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "engine/language/dialects/textbook_modules.h"
+#include "engine/language/dialects/textbook/textbook_modules.h"
 
 namespace espalier::language {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "engine/language/dialects/painter_objects.h"
 #include "engine/language/dialects/text_lines.h"
-#include "engine/language/dialects/textbook.h"
+#include "engine/language/dialects/textbook/textbook.h"
 
 namespace espalier::language {
 

@@ -111,7 +111,8 @@ void Parser::parseFile() {
       expected("'Lsystem:'", token,
                line.starts_with("define ") || line.starts_with("include ")
                    ? "macros and includes start with '#': #" + std::string(line.substr(0, line.find(' ')))
-                   : "every L-system starts with 'Lsystem:' and a label, and ends with 'endlsystem'");
+                   : "every L-system starts with 'Lsystem:' and a label, and ends with 'endlsystem'. In the "
+                     "notation of textbooks write 'axiom: F' and 'F -> F+F'");
       recover();
       // one message is enough for a text that is not an L-system
       while (lexer_.peekSymbol().kind != TokenKind::EndOfFile &&

@@ -53,7 +53,7 @@ ExpressionIndex Parser::makeNode(ExpressionNode node) {
   }
   if (node.depth > limits_.maximumExpressionDepth) {
     messages_.error(node.range,
-                    "the expression is nested deeper than the limit maximumExpressionDepth (" +
+                    "the expression is nested deeper than the limit expressionDepth (" +
                         std::to_string(limits_.maximumExpressionDepth) + ")",
                     "assign parts of it to variables first");
     return kNoExpression;
@@ -180,7 +180,7 @@ ExpressionIndex Parser::parseParentheses() {
   const Token open = lexer_.peekExpression();
   if (expressionDepth_ >= limits_.maximumExpressionDepth) {
     messages_.error(open.range,
-                    "the expression is nested deeper than the limit maximumExpressionDepth (" +
+                    "the expression is nested deeper than the limit expressionDepth (" +
                         std::to_string(limits_.maximumExpressionDepth) + ")",
                     "assign parts of it to variables first");
     return kNoExpression;

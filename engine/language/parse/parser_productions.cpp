@@ -335,8 +335,7 @@ bool Parser::internModule(core::SymbolId symbol, std::size_t arity, core::Source
   }
   if (arity > limits_.maximumArity || arity > 0xFFFFU) {
     messages_.error(range, "the module '" + declared.name + "' has " + std::to_string(arity) +
-                               " parameters, more than the limit maximumArity (" +
-                               std::to_string(limits_.maximumArity) + ")");
+                               " parameters, more than the limit arity (" + std::to_string(limits_.maximumArity) + ")");
     return false;
   }
   type = model_.symbols.internType(symbol, static_cast<std::uint16_t>(arity));

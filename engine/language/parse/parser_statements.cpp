@@ -31,7 +31,7 @@ bool Parser::parseStatements(std::vector<Statement>& statements) {
   }
   lexer_.enterBlock();
   if (lexer_.blockDepth() > limits_.maximumExpressionDepth) {
-    messages_.error(lexer_.peekExpression().range, "blocks are nested deeper than the limit maximumExpressionDepth (" +
+    messages_.error(lexer_.peekExpression().range, "blocks are nested deeper than the limit expressionDepth (" +
                                                        std::to_string(limits_.maximumExpressionDepth) + ")");
     return false;
   }

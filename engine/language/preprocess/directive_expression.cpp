@@ -89,7 +89,7 @@ class Evaluator {
   std::nullopt_t failNesting() {
     return failAt(
         position_, position_ + 1,
-        "the condition is nested deeper than the limit maximumExpressionDepth (" + std::to_string(maximumDepth_) + ")");
+        "the condition is nested deeper than the limit expressionDepth (" + std::to_string(maximumDepth_) + ")");
   }
 
   // both arms recurse, so each conditional counts as a level of nesting

@@ -178,7 +178,7 @@ class MacroTable::Expansion {
   }
 
   void reportDepth(const Macro& macro) {
-    report("the macro '" + macro.name + "' is nested deeper than the limit maximumMacroDepth (" +
+    report("the macro '" + macro.name + "' is nested deeper than the limit macroDepth (" +
                std::to_string(table_.limits_.maximumMacroDepth) + ")",
            "", true);
   }
@@ -334,7 +334,7 @@ class MacroTable::Expansion {
     const std::uint64_t bound = kLeastExpansion + kMostExpansion * table_.textBytes_;
     const std::uint64_t bytes = table_.expandedBytes_ + pending;
     if (bytes > limit) {
-      report("macros expand to more than the limit maximumSourceBytes (" + std::to_string(limit) + " bytes)", "", true);
+      report("macros expand to more than the limit sourceBytes (" + std::to_string(limit) + " bytes)", "", true);
     } else if (bytes > bound) {
       report("macros expand to more than " + std::to_string(bound) + " bytes, a hundred times the text of the model",
              "use smaller macros, or a loop or an array in their place", true);

@@ -145,7 +145,7 @@ class Preprocessor {
     macros_.addText(text.size());
     if (readBytes_ > input_.limits.maximumSourceBytes) {
       fatal(file, 0, 1,
-            "the files of the model are longer than the limit maximumSourceBytes (" +
+            "the files of the model are longer than the limit sourceBytes (" +
                 std::to_string(input_.limits.maximumSourceBytes) + " bytes)");
       return;
     }
@@ -210,7 +210,7 @@ class Preprocessor {
     const auto position = static_cast<std::uint32_t>(result_.text.size());
     if (position >= input_.limits.maximumSourceBytes) {
       fatal(file, offset, 1,
-            "the preprocessed text is longer than the limit maximumSourceBytes (" +
+            "the preprocessed text is longer than the limit sourceBytes (" +
                 std::to_string(input_.limits.maximumSourceBytes) + " bytes)");
       return;
     }
@@ -503,7 +503,7 @@ class Preprocessor {
     const std::string name = files::nameBeside(files_[file].name, rest.substr(1, close - 1));
     if (depth + 1 > input_.limits.maximumIncludeDepth) {
       fatal(file, line.offsetOf(first), close + 1,
-            "files are included deeper than the limit maximumIncludeDepth (" +
+            "files are included deeper than the limit includeDepth (" +
                 std::to_string(input_.limits.maximumIncludeDepth) + ")",
             std::find(openFiles_.begin(), openFiles_.end(), name) != openFiles_.end()
                 ? "'" + name + "' includes itself, directly or through another file"

@@ -46,9 +46,9 @@ void DerivationPass::derivePlant(std::size_t plant) {
 void DerivationPass::requireTogether(std::uint64_t modules, std::uint64_t bytes) const {
   std::string what;
   if (modules > options_->limits.maximumModules) {
-    what = std::to_string(options_->limits.maximumModules) + " modules together (limit maximumModules)";
+    what = std::to_string(options_->limits.maximumModules) + " modules together (limit modules)";
   } else if (bytes > options_->limits.maximumStringBytes) {
-    what = std::to_string(options_->limits.maximumStringBytes) + " bytes together (limit maximumStringBytes)";
+    what = std::to_string(options_->limits.maximumStringBytes) + " bytes together (limit stringBytes)";
   } else {
     return;
   }

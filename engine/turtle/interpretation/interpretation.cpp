@@ -420,7 +420,7 @@ void Interpretation::openBranch() {
   if (state_.branchOrder >= derivation_.options().limits.maximumTurtleStack) {
     fail(core::SimulationErrorCode::LimitExceeded,
          "more than " + std::to_string(derivation_.options().limits.maximumTurtleStack) +
-             " brackets are open, the limit maximumTurtleStack. Raise the limit if the model is meant to do this");
+             " brackets are open, the limit turtleStack. Raise the limit if the model is meant to do this");
   }
   stack_.push_back(state_);
   ++state_.branchOrder;

@@ -94,7 +94,7 @@ void Interpretation::communicate(const Sequence& sequence, std::uint64_t i, std:
   if (batch.size() >= derivation_.options().limits.maximumQueries) {
     fail(core::SimulationErrorCode::LimitExceeded,
          "more than " + std::to_string(derivation_.options().limits.maximumQueries) +
-             " communication modules in one step, the limit maximumQueries. Raise the limit if the model is meant to "
+             " communication modules in one step, the limit queries. Raise the limit if the model is meant to "
              "do this");
   }
   const core::ModuleTypeId type = sequence.types[i];

@@ -121,8 +121,14 @@ std::string listOf(const std::vector<fs::path>& files) {
 FoundModel onlyModelOf(const Place& place) {
   std::vector<fs::path> models = place.withSuffix(".l");
   if (models.empty()) {
-    return refused("the folder " + place.title() +
-                   " holds no L-system file (.l): give another folder, or the file itself");
+    std::vector<fs::path> others;
+    for (const char* suffix : {".lsv", ".ls", ".lpy", ".txt"}) {
+      const std::vector<fs::path> found = place.withSuffix(suffix);
+      others.insert(others.end(), found.begin(), found.end());
+    }
+    return refused("the folder " + place.title() + " holds no L-system file (.l): " +
+                   (others.empty() ? "give another folder, or the file itself"
+                                   : "give the name of one of its other files: " + listOf(others)));
   }
   // of several the one with the folder's name
   const auto named = std::find(

@@ -94,7 +94,7 @@ protocol::Error toError(const core::SimulationError& error, std::uint64_t comple
   protocol::JsonWriter data;
   data.beginObject().key("step").integer(completedSteps).key("plant").integer(error.plant);
   if (error.code == core::SimulationErrorCode::LimitExceeded) {
-    if (const LimitEntry* limit = nameLimit(result.message)) {
+    if (const LimitEntry* limit = limitNamedIn(result.message)) {
       data.key("limit").text(limit->name).key("bound").integer(limit->get({.simulation = limits}));
     }
   }

@@ -202,10 +202,9 @@ TEST(Derivation, StopsAtTheModuleLimit) {
   model.steps(9);
   const core::SimulationError error = model.failingStep();
   EXPECT_EQ(error.code, SimulationErrorCode::LimitExceeded);
-  EXPECT_EQ(
-      error.message,
-      "step 10, plant 0: the string has more than 1000 modules (limit maximumModules). The simulation stays at step "
-      "9.");
+  EXPECT_EQ(error.message,
+            "step 10, plant 0: the string has more than 1000 modules (limit modules). The simulation stays at step "
+            "9.");
   EXPECT_EQ(model.state().string.size(), 512U);
 }
 
@@ -217,7 +216,7 @@ TEST(Derivation, StopsADecompositionBombWithinTheLimit) {
   DerivedModel deep(modelText("", "A", "Z --> Z\ndecomposition\nmaximum depth: 20000\nA --> A\n"), {});
   const core::SimulationError error = deep.failingStep();
   EXPECT_EQ(error.code, SimulationErrorCode::LimitExceeded);
-  EXPECT_NE(error.message.find("the nested rewriting is deeper than 10000 (limit maximumRecursion)"), std::string::npos)
+  EXPECT_NE(error.message.find("the nested rewriting is deeper than 10000 (limit recursion)"), std::string::npos)
       << error.message;
 }
 
@@ -226,7 +225,7 @@ TEST(Derivation, StopsAtTheByteLimit) {
   options.limits.maximumStringBytes = 1000;
   DerivedModel model(modelText("", "A(1)", "A(x) --> A(x)A(x)\n"), options);
   model.steps(6);
-  EXPECT_NE(model.failingStep().message.find("the string needs more than 1000 bytes (limit maximumStringBytes)"),
+  EXPECT_NE(model.failingStep().message.find("the string needs more than 1000 bytes (limit stringBytes)"),
             std::string::npos);
 }
 
@@ -237,8 +236,7 @@ TEST(Derivation, RefusesModulesWithTooManyParameters) {
     DerivedModel model(modelText("", "A(1,2,3)", "B --> B\n"), options);
     FAIL();
   } catch (const core::SimulationFailure& failure) {
-    EXPECT_EQ(failure.error().message,
-              "step 0, plant 0: the module 'A' has 3 parameters, more than 2 (limit maximumArity).");
+    EXPECT_EQ(failure.error().message, "step 0, plant 0: the module 'A' has 3 parameters, more than 2 (limit arity).");
   }
 }
 

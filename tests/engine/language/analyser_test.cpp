@@ -159,7 +159,7 @@ TEST(Analyser, DefinitionsAreChecked) {
   core::Limits limits;
   limits.maximumArrayElements = 10;
   EXPECT_EQ(messagesOf(header("Define: { array a[4][4]; }", "A(n) --> A(n)"), Compatibility::Espalier, limits),
-            Messages{"2:17: error: the arrays have more elements than the limit maximumArrayElements (10)"});
+            Messages{"2:17: error: the arrays have more elements than the limit arrayElements (10)"});
 }
 
 // ---- printf and files

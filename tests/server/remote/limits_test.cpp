@@ -26,6 +26,18 @@ TEST(Limits, EachHasANameOfItsOwnAndIsSetByIt) {
   }
 }
 
+TEST(Limits, AMessageNamesALimitAsTheOptionDoes) {
+  const auto named = [](std::string_view message) {
+    const LimitEntry* entry = limitNamedIn(message);
+    return entry == nullptr ? std::string_view() : entry->name;
+  };
+  EXPECT_EQ(named("the string has more than 9 modules (limit modules). The simulation stays at step 3."), "modules");
+  EXPECT_EQ(named("more than 2 brackets are open, the limit turtleStack. Raise the limit if"), "turtleStack");
+  EXPECT_EQ(named("a limit of time: the limit loopIterations"), "loopIterations");
+  EXPECT_EQ(named("a limit of the modules"), "");
+  EXPECT_EQ(named("the limit"), "");
+}
+
 TEST(Limits, AValueOutOfRangeIsRefusedWithTheRange) {
   ServerLimits limits;
   EXPECT_EQ(setLimit(limits, "sessions=0").value_or(""),

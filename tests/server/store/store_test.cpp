@@ -8,6 +8,8 @@
 #include <thread>
 
 #include "server/store/compression.h"
+#include "server/store/database.h"
+#include "server/store/schema.h"
 #include "tests/server/server_fixture.h"
 
 namespace espalier::server {
@@ -64,11 +66,40 @@ TEST(Store, AFolderThatCannotBeUsedIsAnErrorThatSaysWhatToDo) {
   std::ofstream(file) << "no folder";
   const std::string problem = Store(file).open().value_or("");
   EXPECT_EQ(problem.find("cannot use the data folder '" + file + "': "), 0U) << problem;
-  EXPECT_NE(problem.find("Give --data a folder that can be written."), std::string::npos) << problem;
-  std::ofstream(folder.path() + "/espalier.sqlite") << std::string(5'000, 'x');
+  EXPECT_NE(problem.find("Give --data a folder that this user may read and write."), std::string::npos) << problem;
+}
+
+TEST(Store, ADamagedDatabaseIsNotUsedAndTheErrorNamesTheWayBack) {
+  const auto problemOf = [](const TemporaryFolder& folder, const std::string& reason) {
+    return "the database '" + folder.path() + "/espalier.sqlite' is damaged, or it is no database: " + reason +
+           ". Make a new data folder of a backup (espalier restore FILE NEW-FOLDER), or give --data another folder.";
+  };
+  // a text in its place
+  const TemporaryFolder text;
+  std::ofstream(text.path() + "/espalier.sqlite") << std::string(5'000, 'x');
+  EXPECT_EQ(Store(text.path()).open().value_or(""), problemOf(text, "file is not a database"));
+
+  // the first half of a database
+  const TemporaryFolder half;
+  const std::string file = half.path() + "/espalier.sqlite";
+  EXPECT_EQ(openStore(half.path())->save({"sim-1", "record", 3}, noise(100'000, 1)), std::nullopt);
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  EXPECT_EQ(Store(half.path()).open().value_or(""), problemOf(half, "database disk image is malformed"));
+}
+
+TEST(Store, ADatabaseOfAnotherProgramIsLeftAlone) {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() + "/espalier.sqlite";
+  {
+    Database other;
+    other.open(file);
+    other.execute("CREATE TABLE birds(name TEXT)");
+  }
   EXPECT_EQ(Store(folder.path()).open().value_or(""),
-            "cannot use the data folder '" + folder.path() +
-                "': file is not a database (espalier.sqlite). Give --data a folder that can be written.");
+            "the database '" + file + "' was made by another program. Give --data another folder.");
+  Database other;
+  other.open(file);
+  EXPECT_EQ(versionOf(other), 0);
 }
 
 TEST(Store, WithoutAFolderNothingIsKeptAndNothingFails) {

@@ -76,10 +76,9 @@ TEST(Evaluator, StopsLoopsAtTheLimit) {
   const core::SimulationError error = model.failingStep();
   EXPECT_EQ(error.code, SimulationErrorCode::LimitExceeded);
   EXPECT_EQ(error.location.line, 4U);
-  EXPECT_NE(
-      error.message.find("a loop ran more than 1000 iterations (limit maximumLoopIterations). The simulation stays "
-                         "at step 0."),
-      std::string::npos)
+  EXPECT_NE(error.message.find("a loop ran more than 1000 iterations (limit loopIterations). The simulation stays "
+                               "at step 0."),
+            std::string::npos)
       << error.message;
 }
 
@@ -89,8 +88,7 @@ TEST(Evaluator, StopsBinomialDrawsAtTheLimit) {
   DerivedModel model(modelText("", "A", "A --> B(biran(2000,0.5))\n"), options);
   const core::SimulationError error = model.failingStep();
   EXPECT_EQ(error.code, SimulationErrorCode::LimitExceeded);
-  EXPECT_NE(error.message.find("biran would draw more than 1000 numbers (limit maximumLoopIterations)"),
-            std::string::npos)
+  EXPECT_NE(error.message.find("biran would draw more than 1000 numbers (limit loopIterations)"), std::string::npos)
       << error.message;
 }
 
@@ -133,7 +131,7 @@ TEST(Evaluator, AFileThatGrowsWithoutEndIsALimit) {
       options);
   const core::SimulationError error = model.failingStep();
   EXPECT_EQ(error.code, SimulationErrorCode::LimitExceeded);
-  EXPECT_NE(error.message.find("(model.l:4:24): a file is longer than 1000 bytes in one step (limit maximumFileBytes)"),
+  EXPECT_NE(error.message.find("(model.l:4:24): a file is longer than 1000 bytes in one step (limit fileBytes)"),
             std::string::npos)
       << error.message;
 }

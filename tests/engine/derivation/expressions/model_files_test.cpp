@@ -120,7 +120,7 @@ TEST_F(ModelFilesTest, RefusalsSayWhy) {
   EXPECT_EQ(refusal(2, "r"), "there is no such file in the model's folder");
   limits_.maximumOpenFiles = 1;
   open(0, "r");
-  EXPECT_EQ(refusal(0, "r"), "more than 1 files are open (limit maximumOpenFiles)");
+  EXPECT_EQ(refusal(0, "r"), "more than 1 files are open (limit openFiles)");
 }
 
 TEST_F(ModelFilesTest, WritingNeedsAFileThatIsOpenForItAndHasRoom) {

@@ -129,7 +129,7 @@ TEST(ParallelGeneralScan, LimitsHoldForTheWholeString) {
     const std::uint64_t size = model.state().string.size();
     const core::SimulationError error = model.failingStep();
     EXPECT_EQ(error.code, core::SimulationErrorCode::LimitExceeded);
-    EXPECT_NE(error.message.find("the string has more than 10000 modules (limit maximumModules)"), std::string::npos);
+    EXPECT_NE(error.message.find("the string has more than 10000 modules (limit modules)"), std::string::npos);
     EXPECT_EQ(model.state().string.size(), size);
   }
 }

@@ -428,7 +428,7 @@ TEST_P(ScanOnThreads, AStringThatGrowsTooLongFailsAndStays) {
   model.steps(16);
   const core::SimulationError error = model.failingStep();
   EXPECT_EQ(error.code, core::SimulationErrorCode::LimitExceeded);
-  EXPECT_NE(error.message.find("the string has more than 100000 modules (limit maximumModules)"), std::string::npos)
+  EXPECT_NE(error.message.find("the string has more than 100000 modules (limit modules)"), std::string::npos)
       << error.message;
   EXPECT_EQ(model.state().string.size(), 65536U);
 }

@@ -1,4 +1,4 @@
-#include "engine/language/dialects/textbook.h"
+#include "engine/language/dialects/textbook/textbook.h"
 
 #include <gtest/gtest.h>
 

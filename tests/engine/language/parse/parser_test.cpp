@@ -458,7 +458,7 @@ TEST(Parser, NestingEndsAtALimit) {
   core::Limits limits;
   limits.maximumExpressionDepth = 5;
   const std::string message =
-      "error: the expression is nested deeper than the limit maximumExpressionDepth (5) | assign parts of it "
+      "error: the expression is nested deeper than the limit expressionDepth (5) | assign parts of it "
       "to variables first";
   EXPECT_EQ(messagesOf(model("A(n) --> B((((((n))))))"), core::Compatibility::Espalier, limits),
             Messages{"3:17: " + message});
@@ -468,14 +468,14 @@ TEST(Parser, NestingEndsAtALimit) {
             Messages{"3:12: " + message});
   EXPECT_EQ(messagesOf(model("A(n) : {if(n){if(n){if(n){if(n){if(n){n=1;}}}}}} * --> B"), core::Compatibility::Espalier,
                        limits)[0],
-            "3:39: error: blocks are nested deeper than the limit maximumExpressionDepth (5)");
+            "3:39: error: blocks are nested deeper than the limit expressionDepth (5)");
 }
 
 TEST(Parser, AModuleWithTooManyParametersEndsAtALimit) {
   core::Limits limits;
   limits.maximumArity = 2;
   EXPECT_EQ(messagesOf(model("A(n) --> B(n,n,n)"), core::Compatibility::Espalier, limits),
-            Messages{"3:10: error: the module 'B' has 3 parameters, more than the limit maximumArity (2)"});
+            Messages{"3:10: error: the module 'B' has 3 parameters, more than the limit arity (2)"});
 }
 
 TEST(Parser, WarningsOfASectionStandOnItsLine) {

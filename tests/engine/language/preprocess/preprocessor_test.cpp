@@ -314,7 +314,7 @@ TEST(Preprocessor, AnExpansionBombEndsAtALimit) {
   input.limits.maximumSourceBytes = 100000;
   const PreprocessResult result = run(text + "A39\n", input);
   EXPECT_EQ(briefs(result.diagnostics),
-            Messages{"41:1: error: macros expand to more than the limit maximumSourceBytes (100000 bytes)"});
+            Messages{"41:1: error: macros expand to more than the limit sourceBytes (100000 bytes)"});
   EXPECT_FALSE(result.isComplete);
 }
 
@@ -343,23 +343,22 @@ TEST(Preprocessor, DeepMacrosEndAtALimit) {
   PreprocessInput input;
   input.limits.maximumMacroDepth = 5;
   EXPECT_EQ(problemsOf(text + "A9\n", input),
-            Messages{"11:1: error: the macro 'A4' is nested deeper than the limit maximumMacroDepth (5)"});
+            Messages{"11:1: error: the macro 'A4' is nested deeper than the limit macroDepth (5)"});
 }
 
 TEST(Preprocessor, AFileThatIncludesItselfEndsAtALimit) {
   PreprocessInput input;
   input.limits.maximumIncludeDepth = 3;
-  EXPECT_EQ(
-      problemsOf("#include \"m.l\"\n", input),
-      Messages{"1:10: error: files are included deeper than the limit maximumIncludeDepth (3) | 'm.l' includes itself, "
-               "directly or through another file"});
+  EXPECT_EQ(problemsOf("#include \"m.l\"\n", input),
+            Messages{"1:10: error: files are included deeper than the limit includeDepth (3) | 'm.l' includes itself, "
+                     "directly or through another file"});
 }
 
 TEST(Preprocessor, TooMuchTextEndsAtALimit) {
   PreprocessInput input;
   input.limits.maximumSourceBytes = 20;
   EXPECT_EQ(problemsOf(std::string(30, 'A'), input),
-            Messages{"1:1: error: the files of the model are longer than the limit maximumSourceBytes (20 bytes)"});
+            Messages{"1:1: error: the files of the model are longer than the limit sourceBytes (20 bytes)"});
 }
 
 }  // namespace

@@ -145,10 +145,9 @@ TEST(InterpretationQueries, TooManyAreAFailureThatNamesTheLimit) {
     run.pass();
     FAIL() << "no failure";
   } catch (const core::SimulationFailure& failure) {
-    EXPECT_EQ(
-        failure.error().message,
-        "step 1, plant 0, module 2 ('?'): more than 1 communication modules in one step, the limit maximumQueries. "
-        "Raise the limit if the model is meant to do this.");
+    EXPECT_EQ(failure.error().message,
+              "step 1, plant 0, module 2 ('?'): more than 1 communication modules in one step, the limit queries. "
+              "Raise the limit if the model is meant to do this.");
   }
 }
 

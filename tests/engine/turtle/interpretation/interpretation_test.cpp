@@ -282,7 +282,7 @@ TEST(Interpretation, TooManyOpenBracketsAreAFailureThatNamesTheLimit) {
   } catch (const core::SimulationFailure& failure) {
     EXPECT_EQ(failure.error().code, core::SimulationErrorCode::LimitExceeded);
     EXPECT_EQ(failure.error().message,
-              "step 1, plant 0, module 2 ('['): more than 2 brackets are open, the limit maximumTurtleStack. Raise the "
+              "step 1, plant 0, module 2 ('['): more than 2 brackets are open, the limit turtleStack. Raise the "
               "limit if the model is meant to do this.");
   }
 }

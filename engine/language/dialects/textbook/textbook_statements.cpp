@@ -1,17 +1,18 @@
-#include "engine/language/dialects/textbook_statements.h"
+#include "engine/language/dialects/textbook/textbook_statements.h"
 
 #include <array>
 
 #include "engine/core/diagnostic.h"
 #include "engine/core/number_text.h"
-#include "engine/language/dialects/textbook_modules.h"
-#include "engine/language/dialects/textbook_words.h"
+#include "engine/language/dialects/textbook/textbook_modules.h"
+#include "engine/language/dialects/textbook/textbook_signs.h"
+#include "engine/language/dialects/textbook/textbook_words.h"
 
 namespace espalier::language {
 namespace {
 
-constexpr char kRuleMark = '\x1E';  // the arrow of a rule that is written with '='
-constexpr std::array<std::string_view, 12> kArrows{"→", "⟶", "⇒", "⟹", "↦", "➔", "➝", "➞", "-->", "->", "::=", "\x1E"};
+constexpr std::array<std::string_view, 12> kArrows{"→", "⟶", "⇒",   "⟹",  "↦",   "➔",
+                                                   "➝", "➞", "-->", "->", "::=", kRuleMark};
 
 struct SettingName {
   std::string_view name;  // small letters
@@ -30,6 +31,8 @@ constexpr std::array kSettings = {
     SettingName{"start string", Setting::Axiom},
     SettingName{"initiator", Setting::Axiom},
     SettingName{"initial string", Setting::Axiom},
+    SettingName{"initial state", Setting::Axiom},
+    SettingName{"start symbol", Setting::Axiom},
     SettingName{"l", Setting::Axiom},
     SettingName{"α", Setting::Axiom},
     SettingName{"wm", Setting::Axiom},
@@ -79,6 +82,9 @@ constexpr std::array kSettings = {
     SettingName{"production", Setting::Productions},
     SettingName{"productions", Setting::Productions},
     SettingName{"production rules", Setting::Productions},
+    SettingName{"production rule", Setting::Productions},
+    SettingName{"rewriting rules", Setting::Productions},
+    SettingName{"replacement rules", Setting::Productions},
     SettingName{"ignore", Setting::Ignore},
     SettingName{"consider", Setting::Consider},
     SettingName{"v", Setting::Sets},
@@ -101,19 +107,6 @@ constexpr std::array kSettings = {
     SettingName{"comment", Setting::Sets},
 };
 
-using Replacement = std::pair<std::string_view, char>;
-constexpr std::array kReplacements = {
-    Replacement{"−", '-'},      Replacement{"–", '-'},      Replacement{"—", '-'},      Replacement{"‐", '-'},
-    Replacement{"‑", '-'},      Replacement{"’", '\''},     Replacement{"‘", '\''},     Replacement{"′", '\''},
-    Replacement{"´", '\''},     Replacement{"“", '"'},      Replacement{"”", '"'},      Replacement{"„", '"'},
-    Replacement{"∣", '|'},      Replacement{"│", '|'},      Replacement{"＋", '+'},     Replacement{"∗", '*'},
-    Replacement{"∕", '/'},      Replacement{"⁄", '/'},      Replacement{"∖", '\\'},     Replacement{"＝", '='},
-    Replacement{"：", ':'},     Replacement{"（", '('},     Replacement{"）", ')'},     Replacement{"，", ','},
-    Replacement{"ˆ", '^'},      Replacement{"\u00A0", ' '}, Replacement{"\u2002", ' '}, Replacement{"\u2003", ' '},
-    Replacement{"\u2009", ' '}, Replacement{"\u200A", ' '}, Replacement{"\u200B", ' '}, Replacement{"\u202F", ' '},
-    Replacement{"\u3000", ' '}, Replacement{"\uFEFF", ' '}, Replacement{"\u00AD", ' '}, Replacement{"\u2028", '\n'},
-};
-
 constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kGreek{
     {{"α", "alpha"}, {"β", "beta"}, {"γ", "gamma"}, {"δ", "delta"},  {"ε", "epsilon"}, {"ζ", "zeta"},    {"η", "eta"},
      {"θ", "theta"}, {"ι", "iota"}, {"κ", "kappa"}, {"λ", "lambda"}, {"μ", "mu"},      {"µ", "mu"},      {"ν", "nu"},
@@ -122,116 +115,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kGreek{
 
 bool isLetterOrDigit(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0;
-}
-
-void blankOut(std::string& text, std::size_t begin, std::size_t end) {
-  for (std::size_t at = begin; at < end; ++at) {
-    text[at] = text[at] == '\n' || text[at] == '\r' ? text[at] : ' ';
-  }
-}
-
-// a comment may have several lines; one that is never closed ends with its line
-void blankComments(std::string& text) {
-  for (std::size_t at = text.find("/*"); at != std::string::npos; at = text.find("/*", at)) {
-    const std::size_t close = text.find("*/", at + 2);
-    const std::size_t end = close == std::string::npos ? std::min(text.find('\n', at), text.size()) : close + 2;
-    blankOut(text, at, end);
-  }
-}
-
-void replaceSigns(std::string& text) {
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    if (static_cast<unsigned char>(text[at]) < 0x80) {
-      continue;
-    }
-    for (const auto& [sign, character] : kReplacements) {
-      if (std::string_view(text).substr(at).starts_with(sign)) {
-        text[at] = character;
-        blankOut(text, at + 1, at + sign.size());
-        break;
-      }
-    }
-  }
-  // the dashes of an arrow, which may be apart now
-  for (std::size_t at = text.find("-  >"); at != std::string::npos; at = text.find("-  >", at)) {
-    text.replace(at, 4, "  ->");
-    for (std::size_t before = at; before >= 3 && text.compare(before - 3, 3, "-  ") == 0; before -= 3) {
-      text[before - 3] = ' ';
-    }
-  }
-}
-
-// braces around the whole text: `{ axiom: F … }`
-void blankOuterBraces(std::string& text) {
-  const std::size_t open = text.find_first_not_of(" \t\r\n");
-  const std::size_t close = text.find_last_not_of(" \t\r\n;");
-  if (open == std::string::npos || text[open] != '{' || text[close] != '}') {
-    return;
-  }
-  int depth = 0;
-  for (std::size_t at = open; at < close; ++at) {
-    depth += text[at] == '{' ? 1 : text[at] == '}' ? -1 : 0;
-    if (depth == 0) {
-      return;
-    }
-  }
-  text[open] = ' ';
-  text[close] = ' ';
-}
-
-bool isRuleValue(std::string_view value) {
-  const bool hasModules = value.find_first_of("FGfgXYABLR[+-|") != std::string_view::npos ||
-                          std::any_of(value.begin(), value.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
-  return hasModules && !value.starts_with('{') && !textbookNumber(value);
-}
-
-// `F=F+F` and `rules: F=F+F, X=F` in a text without arrows
-void markEqualsRules(std::string& text) {
-  if (arrowOf(text)) {
-    return;
-  }
-  bool hasAxiom = false;
-  for (const TextPiece& line : linesOf(text)) {
-    const auto setting = settingOf(line.trimmed());
-    hasAxiom = hasAxiom || (setting && setting->setting == Setting::Axiom && setting->name.size() > 2);
-  }
-  if (!hasAxiom) {
-    return;
-  }
-  std::vector<std::size_t> marks;
-  bool isBelowHeading = false;
-  for (const TextPiece& line : linesOf(text)) {
-    const auto setting = settingOf(line.trimmed());
-    const bool isList = setting && setting->setting == Setting::Productions;
-    // `F: F+F` below `rules:`
-    const TextPiece rule = line.trimmed();
-    const std::size_t colon = rule.text.find(':');
-    if (isBelowHeading && colon != std::string_view::npos && rule.to(colon).trimmed().text.size() == 1 &&
-        isRuleValue(rule.from(colon + 1).trimmed().text)) {
-      marks.push_back(rule.offset + colon);
-      continue;
-    }
-    isBelowHeading = rule.empty() ? isBelowHeading : isList && setting->value.empty();
-    const TextPiece code = isList ? setting->value : line.trimmed();
-    if (setting && !isList && setting->name.size() > 1) {
-      continue;
-    }
-    for (std::size_t at = code.text.find('='); at != std::string_view::npos; at = code.text.find('=', at + 1)) {
-      const TextPiece front = code.to(at).trimmed();
-      const bool isAlone = front.text.size() == 1 ||
-                           (isList && front.text.size() > 1 &&
-                            std::string_view(" ,;(").find(front.text[front.text.size() - 2]) != std::string_view::npos);
-      if (isAlone && isRuleValue(code.from(at + 1).trimmed().text)) {
-        marks.push_back(code.offset + at);
-      }
-      if (!isList) {
-        break;
-      }
-    }
-  }
-  for (const std::size_t mark : marks) {
-    text[mark] = kRuleMark;
-  }
 }
 
 // a line without its remark: `//`, `#` and `;` at its beginning, and ` // ` or ` # ` behind blanks
@@ -359,16 +242,6 @@ TextPiece withoutQuotes(const TextPiece& value) {
 }
 
 }  // namespace
-
-std::string plainTextbook(std::string_view text) {
-  std::string plain(text);
-  blankComments(plain);
-  replaceSigns(plain);
-  blankOuterBraces(plain);
-  markConditions(plain);
-  markEqualsRules(plain);
-  return plain;
-}
 
 std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text) {
   std::optional<std::pair<std::size_t, std::size_t>> first;

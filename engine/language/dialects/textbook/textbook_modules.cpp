@@ -1,12 +1,12 @@
-#include "engine/language/dialects/textbook_modules.h"
+#include "engine/language/dialects/textbook/textbook_modules.h"
 
 #include <array>
 #include <cctype>
 #include <utility>
 
 #include "engine/core/number_text.h"
-#include "engine/language/dialects/textbook_statements.h"
-#include "engine/language/dialects/textbook_words.h"
+#include "engine/language/dialects/textbook/textbook_statements.h"
+#include "engine/language/dialects/textbook/textbook_words.h"
 
 namespace espalier::language {
 namespace {

@@ -1,10 +1,10 @@
-#include "engine/language/dialects/textbook_words.h"
+#include "engine/language/dialects/textbook/textbook_words.h"
 
 #include <algorithm>
 #include <cctype>
 
-#include "engine/language/dialects/textbook_modules.h"
-#include "engine/language/dialects/textbook_statements.h"
+#include "engine/language/dialects/textbook/textbook_modules.h"
+#include "engine/language/dialects/textbook/textbook_statements.h"
 
 namespace espalier::language {
 namespace {

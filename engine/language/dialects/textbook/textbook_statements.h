@@ -13,11 +13,6 @@
 
 namespace espalier::language {
 
-/// A text of the textbook notation without comments and with ASCII characters for the signs of print, byte for byte at
-/// the same places: `−` becomes `-` and blanks, `’` an apostrophe, a no-break space a blank. Without any arrow, the `=`
-/// of rules such as `F=F+F` becomes an arrow sign.
-[[nodiscard]] std::string plainTextbook(std::string_view text);
-
 /// Place and length of the first arrow.
 [[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text);
 

@@ -1,4 +1,4 @@
-#include "engine/language/dialects/textbook.h"
+#include "engine/language/dialects/textbook/textbook.h"
 
 #include <cmath>
 #include <map>
@@ -8,9 +8,10 @@
 
 #include "engine/language/dialects/painter_objects.h"
 #include "engine/language/dialects/text_lines.h"
-#include "engine/language/dialects/textbook_modules.h"
-#include "engine/language/dialects/textbook_statements.h"
-#include "engine/language/dialects/textbook_words.h"
+#include "engine/language/dialects/textbook/textbook_modules.h"
+#include "engine/language/dialects/textbook/textbook_signs.h"
+#include "engine/language/dialects/textbook/textbook_statements.h"
+#include "engine/language/dialects/textbook/textbook_words.h"
 
 namespace espalier::language {
 namespace {
@@ -358,6 +359,10 @@ class TextbookReader {
     }
     noteProbability(left, written);
     checkBrackets(text_, right.offset, right.offset + right.text.size(), "the successor", report_);
+    if (const std::size_t bar = right.text.find(" | "); bar != std::string_view::npos) {
+      report_.warn(right.offset + bar + 1, 1, "'|' turns the turtle around here",
+                   "write each alternative as a production of its own: 'A → B' and 'A → C'");
+    }
     const MappedText successor = right.text == "*" ? MappedText{} : modules_.modules(right);
     text.make(" --> ", right.offset).add(successor.empty() ? MappedText("*", right.offset) : successor);
     if (!probability.empty()) {

@@ -1,0 +1,262 @@
+#include "engine/language/dialects/textbook/textbook_signs.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+#include <vector>
+
+#include "engine/language/dialects/text_lines.h"
+#include "engine/language/dialects/textbook/textbook_modules.h"
+#include "engine/language/dialects/textbook/textbook_statements.h"
+#include "engine/language/dialects/textbook/textbook_words.h"
+
+namespace espalier::language {
+namespace {
+
+using Replacement = std::pair<std::string_view, char>;
+constexpr std::array kReplacements = {
+    Replacement{"−", '-'},      Replacement{"–", '-'},      Replacement{"—", '-'},      Replacement{"‐", '-'},
+    Replacement{"‑", '-'},      Replacement{"’", '\''},     Replacement{"‘", '\''},     Replacement{"′", '\''},
+    Replacement{"´", '\''},     Replacement{"“", '"'},      Replacement{"”", '"'},      Replacement{"„", '"'},
+    Replacement{"∣", '|'},      Replacement{"│", '|'},      Replacement{"＋", '+'},     Replacement{"∗", '*'},
+    Replacement{"∕", '/'},      Replacement{"⁄", '/'},      Replacement{"∖", '\\'},     Replacement{"＝", '='},
+    Replacement{"：", ':'},     Replacement{"（", '('},     Replacement{"）", ')'},     Replacement{"，", ','},
+    Replacement{"ˆ", '^'},      Replacement{"\u00A0", ' '}, Replacement{"\u2002", ' '}, Replacement{"\u2003", ' '},
+    Replacement{"\u2009", ' '}, Replacement{"\u200A", ' '}, Replacement{"\u200B", ' '}, Replacement{"\u202F", ' '},
+    Replacement{"\u3000", ' '}, Replacement{"\uFEFF", ' '}, Replacement{"\u00AD", ' '}, Replacement{"\u2028", '\n'},
+};
+
+void blankOut(std::string& text, std::size_t begin, std::size_t end) {
+  for (std::size_t at = begin; at < end; ++at) {
+    text[at] = text[at] == '\n' || text[at] == '\r' ? text[at] : ' ';
+  }
+}
+
+// a comment may have several lines; one that is never closed ends with its line
+void blankComments(std::string& text) {
+  for (std::size_t at = text.find("/*"); at != std::string::npos; at = text.find("/*", at)) {
+    const std::size_t close = text.find("*/", at + 2);
+    const std::size_t end = close == std::string::npos ? std::min(text.find('\n', at), text.size()) : close + 2;
+    blankOut(text, at, end);
+  }
+}
+
+void replaceSigns(std::string& text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (static_cast<unsigned char>(text[at]) < 0x80) {
+      continue;
+    }
+    for (const auto& [sign, character] : kReplacements) {
+      if (std::string_view(text).substr(at).starts_with(sign)) {
+        text[at] = character;
+        blankOut(text, at + 1, at + sign.size());
+        break;
+      }
+    }
+  }
+  // the dashes of an arrow, which may be apart now
+  for (std::size_t at = text.find("-  >"); at != std::string::npos; at = text.find("-  >", at)) {
+    text.replace(at, 4, "  ->");
+    for (std::size_t before = at; before >= 3 && text.compare(before - 3, 3, "-  ") == 0; before -= 3) {
+      text[before - 3] = ' ';
+    }
+  }
+}
+
+// braces around the whole text: `{ axiom: F … }`
+void blankOuterBraces(std::string& text) {
+  const std::size_t open = text.find_first_not_of(" \t\r\n");
+  const std::size_t close = text.find_last_not_of(" \t\r\n;");
+  if (open == std::string::npos || text[open] != '{' || text[close] != '}') {
+    return;
+  }
+  int depth = 0;
+  for (std::size_t at = open; at < close; ++at) {
+    depth += text[at] == '{' ? 1 : text[at] == '}' ? -1 : 0;
+    if (depth == 0) {
+      return;
+    }
+  }
+  text[open] = ' ';
+  text[close] = ' ';
+}
+
+bool isRuleValue(std::string_view value) {
+  const bool hasModules = value.find_first_of("FGfgXYABLR[+-|") != std::string_view::npos ||
+                          std::any_of(value.begin(), value.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+  return hasModules && !value.starts_with('{') && !textbookNumber(value);
+}
+
+// `F=F+F` and `rules: F=F+F, X=F` in a text without arrows
+void markEqualsRules(std::string& text) {
+  if (arrowOf(text)) {
+    return;
+  }
+  bool hasAxiom = false;
+  for (const TextPiece& line : linesOf(text)) {
+    const auto setting = settingOf(line.trimmed());
+    hasAxiom = hasAxiom || (setting && setting->setting == Setting::Axiom && setting->name.size() > 2);
+  }
+  if (!hasAxiom) {
+    return;
+  }
+  std::vector<std::size_t> marks;
+  bool isBelowHeading = false;
+  for (const TextPiece& line : linesOf(text)) {
+    const auto setting = settingOf(line.trimmed());
+    const bool isList = setting && setting->setting == Setting::Productions;
+    // `F: F+F` below `rules:`
+    const TextPiece rule = line.trimmed();
+    const std::size_t colon = rule.text.find(':');
+    if (isBelowHeading && colon != std::string_view::npos && rule.to(colon).trimmed().text.size() == 1 &&
+        isRuleValue(rule.from(colon + 1).trimmed().text)) {
+      marks.push_back(rule.offset + colon);
+      continue;
+    }
+    isBelowHeading = rule.empty() ? isBelowHeading : isList && setting->value.empty();
+    const TextPiece code = isList ? setting->value : line.trimmed();
+    if (setting && !isList && setting->name.size() > 1) {
+      continue;
+    }
+    for (std::size_t at = code.text.find('='); at != std::string_view::npos; at = code.text.find('=', at + 1)) {
+      const TextPiece front = code.to(at).trimmed();
+      const bool isAlone = front.text.size() == 1 ||
+                           (isList && front.text.size() > 1 &&
+                            std::string_view(" ,;(").find(front.text[front.text.size() - 2]) != std::string_view::npos);
+      if (isAlone && isRuleValue(code.from(at + 1).trimmed().text)) {
+        marks.push_back(code.offset + at);
+      }
+      if (!isList) {
+        break;
+      }
+    }
+  }
+  for (const std::size_t mark : marks) {
+    text[mark] = kRuleMark.front();
+  }
+}
+
+// `* axiom: F`, `- F -> FF` and `2. F -> FF`: lines of a list, when the axiom is one of them
+void blankBullets(std::string& text) {
+  std::vector<TextPiece> bullets;
+  bool hasAxiom = false;
+  for (const TextPiece& line : linesOf(text)) {
+    const TextPiece code = line.trimmed();
+    std::size_t end = std::min(code.text.find_first_not_of("0123456789"), code.text.size());
+    const bool isNumber = end > 0 && code.from(end).text.starts_with('.');
+    end = isNumber ? end + 1 : code.text.starts_with("•") ? std::string_view("•").size() : 1;
+    const bool isBullet =
+        isNumber || code.text.starts_with("•") || code.text.starts_with('*') || code.text.starts_with('-');
+    if (!isBullet || !code.from(end).text.starts_with(' ')) {
+      continue;
+    }
+    const TextPiece rest = code.from(end).trimmed();
+    const auto arrow = arrowOf(rest.text);
+    const auto setting = arrow ? std::nullopt : settingOf(rest);
+    const bool isProduction = arrow && arrow->first > 0 && rest.text.front() != '<';
+    hasAxiom = hasAxiom || (setting && setting->setting == Setting::Axiom);
+    if (isProduction || setting) {
+      bullets.push_back(code.to(end));
+    }
+  }
+  for (const TextPiece& bullet : bullets) {
+    if (hasAxiom) {
+      blankOut(text, bullet.offset, bullet.offset + bullet.text.size());
+    }
+  }
+}
+
+// whether a quotation mark may open a string behind `before`, and close one in front of `behind`
+bool opensString(std::string_view before) {
+  const std::size_t last = before.find_last_not_of(" \t");
+  return last == std::string_view::npos || std::string_view(":=>({,").find(before[last]) != std::string_view::npos ||
+         before.substr(0, last + 1).ends_with("→");
+}
+
+bool closesString(std::string_view behind) {
+  const std::size_t first = behind.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) {
+    return true;
+  }
+  const std::string_view rest = behind.substr(first);
+  const auto arrow = arrowOf(rest);
+  return std::string_view(":=)},;").find(rest.front()) != std::string_view::npos || (arrow && arrow->first == 0);
+}
+
+// `"F" -> "F+F"`, `'X': 'F[+X]'`; a `"` or `'` among modules stays
+void blankQuotes(std::string& text) {
+  for (const TextPiece& line : linesOf(text)) {
+    // an apostrophe is a symbol in print: it quotes where it quotes the predecessor, too
+    const std::string_view marks =
+        line.text.substr(0, line.text.find('\'')).find_first_not_of(" \t{(,") == std::string_view::npos ? "\"'" : "\"";
+    for (std::size_t open = line.text.find_first_of(marks); open != std::string_view::npos;) {
+      const std::size_t close = line.text.find(line.text[open], open + 1);
+      const bool isQuoted = close != std::string_view::npos && close > open + 1 &&
+                            opensString(line.text.substr(0, open)) && closesString(line.text.substr(close + 1));
+      if (isQuoted) {
+        text[line.offset + open] = ' ';
+        text[line.offset + close] = ' ';
+      }
+      open = line.text.find_first_of(marks, isQuoted ? close + 1 : open + 1);
+    }
+  }
+}
+
+// small words between blanks, two or more: no modules
+bool isRemarkOfWords(std::string_view inside) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; at < inside.size();) {
+    const std::size_t end = std::min(inside.find(' ', at), inside.size());
+    const std::string_view word = inside.substr(at, end - at);
+    const bool isWord =
+        std::all_of(word.begin(), word.end(), [](char c) { return std::islower(static_cast<unsigned char>(c)) != 0; });
+    if (!isWord) {
+      return false;
+    }
+    count += word.size() > 2 ? 1 : 0;
+    at = end + 1;
+  }
+  return count > 1;
+}
+
+// `start : A {starting character string}`, `1 -> (eliminated at each iteration)`
+void blankRemarksOfWords(std::string& text) {
+  for (std::size_t open = text.find_first_of("{("); open != std::string::npos;
+       open = text.find_first_of("{(", open + 1)) {
+    const std::size_t close = text.find(text[open] == '{' ? '}' : ')', open);
+    const bool isBehindBlank = open > 0 && (text[open - 1] == ' ' || text[open - 1] == '\t');
+    if (close != std::string::npos && isBehindBlank &&
+        isRemarkOfWords(std::string_view(text).substr(open + 1, close - open - 1))) {
+      blankOut(text, open, close + 1);
+    }
+  }
+}
+
+// `F => F+F`; `x=>3` in a line with another arrow is left to its condition
+void readFatArrows(std::string& text) {
+  for (const TextPiece& line : linesOf(text)) {
+    const std::size_t arrow = line.text.find("=>");
+    if (arrow != std::string_view::npos && !arrowOf(line.text)) {
+      text[line.offset + arrow] = '-';
+    }
+  }
+}
+
+}  // namespace
+
+std::string plainTextbook(std::string_view text) {
+  std::string plain(text);
+  blankComments(plain);
+  replaceSigns(plain);
+  blankOuterBraces(plain);
+  readFatArrows(plain);
+  blankBullets(plain);
+  blankQuotes(plain);
+  blankRemarksOfWords(plain);
+  markConditions(plain);
+  markEqualsRules(plain);
+  return plain;
+}
+
+}  // namespace espalier::language
