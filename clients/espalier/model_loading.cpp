@@ -102,7 +102,10 @@ std::optional<std::string> readStartString(const ModelOptions& options, core::Fi
     text = roots::stringOf(*roots);
     if (!isQuiet) {
       printNote("'" + file +
-                "' (--from) has the modules @M(x,y,z), @R(x,y,z), !(diameter), F(length), ?E(age,order,…)");
+                "' (--from) has the modules @M(x,y,z), @R(x,y,z), !(diameter), F(length), ?E(age,order,…)" +
+                (roots->unit.empty() || roots->unit == "unknown"
+                     ? std::string()
+                     : "; its lengths in " + roots->unit + " are taken as lengths of the world, without conversion"));
     }
   }
   if (text->find_first_not_of(" \t\r\n") == std::string::npos) {

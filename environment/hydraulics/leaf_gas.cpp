@@ -7,37 +7,10 @@
 
 namespace espalier::environment {
 
-namespace {
-
-// constants of Allen et al. 1998 (FAO-56): latent heat of vaporisation, J/kg; heat capacity of air, J kg⁻¹ K⁻¹; ratio
-// of the molecular weights of water and air; gas constant of dry air, kJ kg⁻¹ K⁻¹, and the factor of a virtual
-// temperature
-constexpr double kLatentHeat = 2.45e6;
-constexpr double kAirHeat = 1013.0;
-constexpr double kWeightRatio = 0.622;
-constexpr double kGasConstant = 0.287;
-constexpr double kVirtual = 1.01;
-constexpr double kZeroCelsius = 273.0;  // as equation 3-5 of FAO-56 has it
-
-}  // namespace
-
-double saturationPressure(double temperature) {
-  return 0.6108 * core::exp(17.27 * temperature / (temperature + 237.3));
-}
-
-double saturationSlope(double temperature) {
-  const double base = temperature + 237.3;
-  return 17.27 * 237.3 * saturationPressure(temperature) / (base * base);
-}
-
-double Air::deficit() const {
-  return std::max(saturationPressure(temperature) - vapourPressure, 0.0);
-}
-
 LeafExchange leafExchange(const Air& air, double netRadiation, double boundaryConductance, double stomatalConductance,
                           bool isCurve) {
-  const double density = air.pressure / (kVirtual * kGasConstant * (air.temperature + kZeroCelsius));  // kg m⁻³
-  const double psychrometric = kAirHeat * air.pressure / (kWeightRatio * kLatentHeat);                 // γ, kPa/K
+  const double density = air.density();
+  const double psychrometric = air.psychrometric();
   const double heat = density * kAirHeat * boundaryConductance;  // sensible heat, W m⁻² K⁻¹
   const double both = boundaryConductance + stomatalConductance;
   const double path = both > 0.0 ? boundaryConductance * stomatalConductance / both : 0.0;  // of vapour, m/s

@@ -1,21 +1,8 @@
 #pragma once
 
+#include "environment/base/air.h"
+
 namespace espalier::environment {
-
-/// The air at a leaf.
-struct Air {
-  double temperature = 20.0;     // degrees Celsius
-  double vapourPressure = 1.17;  // kPa
-  double pressure = 101.3;       // kPa
-
-  /// What is missing to saturation, kPa; at least 0.
-  [[nodiscard]] double deficit() const;
-};
-
-/// The saturation vapour pressure over water, kPa, at degrees Celsius (Tetens 1930; Allen et al. 1998, FAO-56, equation
-/// 11), and its derivative.
-[[nodiscard]] double saturationPressure(double temperature);
-[[nodiscard]] double saturationSlope(double temperature);
 
 /// Water and energy that a unit of leaf area gives off.
 struct LeafExchange {

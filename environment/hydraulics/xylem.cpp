@@ -429,7 +429,7 @@ class Xylem final : public turtle::EnvironmentProcess {
       return conditions;
     };
     if (soil_) {
-      if (auto problem = soil_->problemOfRain("xylem", days_)) {
+      if (auto problem = soil_->problemOfWeather("xylem", days_)) {
         return problem;
       }
       RootUptakeFromSoil uptake(water, *soil_, plants.middles, keys_.hasRhizosphere);

@@ -103,6 +103,7 @@ class RateSeries {
   /// `rows` ascend by day.
   RateSeries(ConfigurationRows rows, double period) : rows_(std::move(rows)), period_(period) {}
 
+  [[nodiscard]] bool isEmpty() const { return rows_.empty(); }
   /// The rate at a time, 0 before the first row.
   [[nodiscard]] double at(double day) const;
   /// The days from a time until the rate changes; infinite after the last row.

@@ -6,6 +6,7 @@
 
 #include "engine/core/elementary.h"
 #include "engine/turtle/weather.h"
+#include "environment/base/air.h"
 #include "environment/base/length_unit.h"
 #include "environment/base/number_text.h"
 #include "environment/geometry/world_up.h"
@@ -31,11 +32,17 @@ std::optional<turtle::EnvironmentError> SoilBody::open(std::string_view process,
   if (keys_.acidity && unit == nullptr) {
     return unknownLengthUnit(process, world);
   }
-  const bool hasRain = world.weather && world.weather->has("rain");
-  if (hasRain && unit == nullptr) {
-    return unknownLengthUnit(process, world);
+  hasRain_ = world.weather && world.weather->has("rain");
+  for (const std::string_view quantity : quantitiesOfWeather()) {
+    if (unit == nullptr) {
+      return unknownLengthUnit(process, world);
+    }
+    if (!world.weather || !world.weather->has(quantity)) {
+      return fail("has 'evaporationBy' weather, and the world's weather has no '" + std::string(quantity) +
+                  "'. Give the world a weather with global, temperature, humidity and wind, or 'evaporation' rows.");
+    }
   }
-  perMillimetre_ = hasRain ? 1e-3 / unit->metres : 0.0;
+  perMillimetre_ = unit == nullptr ? 0.0 : 1e-3 / unit->metres;
   world_ = world;
   litres_ = unit == nullptr ? 0.0 : unit->litres;
   lengthUnit_ = world.lengthUnit;
@@ -79,32 +86,71 @@ double SoilBody::phOf(std::size_t cell) const {
   return -core::log10(std::max(concentration, kLeast));
 }
 
-/// The rain from a day on, length/day; shortens `until` to the days for which it holds.
-double SoilBody::rainFrom(double day, double& until) const {
-  if (perMillimetre_ == 0.0) {
-    until = std::min(until, keys_.rain.remaining(day));
-    return keys_.rain.at(day);
+std::vector<std::string_view> SoilBody::quantitiesOfWeather() const {
+  std::vector<std::string_view> quantities;
+  if (hasRain_) {
+    quantities.emplace_back("rain");
   }
+  if (keys_.evaporatesByWeather) {
+    quantities.insert(quantities.end(), {"global", "temperature", "humidity", "wind"});
+  }
+  return quantities;
+}
+
+/// The mean of a quantity over the hour from a day on; shortens `until` to the days for which it holds.
+double SoilBody::meanOfHour(std::string_view quantity, double day, double& until) const {
   // a time just before a full hour belongs to the next one
   const double hour = std::floor(day * 24.0 + 1e-9);
   until = std::min(until, (hour + 1.0) / 24.0 - day);
   const double begin = std::max(hour / 24.0, std::min(world_.weather->begin(), day));
   const double end = std::min((hour + 1.0) / 24.0, std::max(world_.weather->end(), day));
-  return 24.0 * perMillimetre_ * world_.weather->mean("rain", begin, end).value_or(0.0);
+  return world_.weather->mean(quantity, begin, end).value_or(0.0);
 }
 
-std::optional<turtle::EnvironmentError> SoilBody::problemOfRain(std::string_view process, double days) const {
-  if (perMillimetre_ == 0.0 || world_.weather->mean("rain", day_, day_ + days)) {
-    return std::nullopt;
+/// The rain from a day on, length/day; shortens `until` to the days for which it holds.
+double SoilBody::rainFrom(double day, double& until) const {
+  if (!hasRain_) {
+    until = std::min(until, keys_.rain.remaining(day));
+    return keys_.rain.at(day);
   }
-  return turtle::EnvironmentError{
-      "Environment '" + std::string(process) + "' " + turtle::missingWeather(world_, "rain", day_, day_ + days), false};
+  return 24.0 * perMillimetre_ * meanOfHour("rain", day, until);
+}
+
+/// The potential evaporation from a day on, length/day; shortens `until` as well.
+double SoilBody::evaporationFrom(double day, double& until) const {
+  if (!keys_.evaporatesByWeather) {
+    until = std::min(until, keys_.evaporation.remaining(day));
+    return keys_.evaporation.at(day);
+  }
+  constexpr double kSecondsPerDay = 86400.0;
+  double part = 1.0;
+  if (!keys_.groundLight.isEmpty()) {
+    until = std::min(until, keys_.groundLight.remaining(day));
+    part = keys_.groundLight.at(day);
+  }
+  Air air{.temperature = meanOfHour("temperature", day, until), .pressure = keys_.airPressure};
+  air.vapourPressure = 0.01 * meanOfHour("humidity", day, until) * saturationPressure(air.temperature);
+  const double energy = (1.0 - keys_.albedo) * part * meanOfHour("global", day, until) - keys_.longWaveLoss;
+  const double conductance = airConductance(meanOfHour("wind", day, until), keys_.windHeight, keys_.roughness);
+  // kg/m² are millimetres; dew is left out
+  return std::max(wetSurfaceEvaporation(air, energy, conductance), 0.0) * kSecondsPerDay * perMillimetre_;
+}
+
+std::optional<turtle::EnvironmentError> SoilBody::problemOfWeather(std::string_view process, double days) const {
+  for (const std::string_view quantity : quantitiesOfWeather()) {
+    if (!world_.weather->mean(quantity, day_, day_ + days)) {
+      return turtle::EnvironmentError{
+          "Environment '" + std::string(process) + "' " + turtle::missingWeather(world_, quantity, day_, day_ + days),
+          false};
+    }
+  }
+  return std::nullopt;
 }
 
 double SoilBody::advance(double days, RichardsSolver::Uptake* uptake, double tolerance) {
   SoilBorders borders = keys_.borders;
-  borders.evaporation = keys_.evaporation.at(day_);
-  double until = std::min(days, keys_.evaporation.remaining(day_));
+  double until = days;
+  borders.evaporation = evaporationFrom(day_, until);
   borders.rain = rainFrom(day_, until);
   for (std::size_t cell = 0; cell < contentsBefore_.size(); ++cell) {
     contentsBefore_[cell] = water_->contentOf(cell);
@@ -122,7 +168,7 @@ double SoilBody::advance(double days, RichardsSolver::Uptake* uptake, double tol
 }
 
 std::optional<turtle::EnvironmentError> SoilBody::passTime(double days) {
-  if (auto problem = problemOfRain("soil-water", days)) {
+  if (auto problem = problemOfWeather("soil-water", days)) {
     return problem;
   }
   const double end = day_ + days;

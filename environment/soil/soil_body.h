@@ -41,10 +41,11 @@ class SoilBody {
 
   /// One internal time step of at most `days` under the weather of its beginning, with the sinks of water(). Returns
   /// the days that passed; 0 when none converges. With `uptake`, that replaces the sinks, and θ(h) is met to
-  /// `tolerance` or better. The weather's rain, in means over hours, takes the place of the configuration's.
+  /// `tolerance` or better. The weather's rain and evaporation, in means over hours, take the place of the
+  /// configuration's.
   [[nodiscard]] double advance(double days, RichardsSolver::Uptake* uptake = nullptr, double tolerance = 1.0);
-  /// Why the rain of the coming days is not known, as in advance(); nothing when it is or is not needed.
-  [[nodiscard]] std::optional<turtle::EnvironmentError> problemOfRain(std::string_view process, double days) const;
+  /// Why the weather of the coming days is not known, as in advance(); nothing when it is or is not needed.
+  [[nodiscard]] std::optional<turtle::EnvironmentError> problemOfWeather(std::string_view process, double days) const;
   /// Says that time has come to `day`, which it has but for rounding.
   void arriveAt(double day) { day_ = day; }
   /// Internal steps for `days`; an error when one does not converge. The state then is not as before.
@@ -58,6 +59,10 @@ class SoilBody {
  private:
   void fill();
   [[nodiscard]] double rainFrom(double day, double& until) const;
+  [[nodiscard]] double evaporationFrom(double day, double& until) const;
+  [[nodiscard]] double meanOfHour(std::string_view quantity, double day, double& until) const;
+  /// The quantities of the weather that advance() reads.
+  [[nodiscard]] std::vector<std::string_view> quantitiesOfWeather() const;
 
   ObstacleScene stones_;
   SoilWaterKeys keys_;
@@ -69,7 +74,8 @@ class SoilBody {
   double litres_ = 1000.0;  // in a volume of length unit cubed
   std::string lengthUnit_ = "m";
   turtle::World world_;
-  double perMillimetre_ = 0.0;  // lengths in a millimetre; 0: the rain is the configuration's
+  bool hasRain_ = false;        // the weather has rain
+  double perMillimetre_ = 0.0;  // lengths in a millimetre, when the weather is read
 };
 
 /// The ground of a configuration of `soil-water`, or its errors.

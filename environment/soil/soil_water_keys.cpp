@@ -17,6 +17,7 @@ constexpr std::array<std::string_view, 2> kStarts{"head", "waterTable"};
 constexpr std::array<std::string_view, 2> kSoils{"vanGenuchten", "gardner"};
 constexpr std::array<std::string_view, 2> kEntries{"flow", "concentration"};
 constexpr std::array<std::string_view, 2> kSurfaces{"weather", "head"};
+constexpr std::array<std::string_view, 2> kEvaporations{"rows", "weather"};
 constexpr std::array<std::string_view, 3> kBottoms{"free", "closed", "head"};
 constexpr std::size_t kMaximumCellCount = std::size_t{1} << 24;
 
@@ -87,8 +88,45 @@ constexpr std::array kOwnKeys{
                      .minimum = 0.0,
                      .minimumCount = 2,
                      .maximumCount = 2},
+    ConfigurationKey{.name = "evaporationBy",
+                     .kind = KeyKind::Choice,
+                     .description = "rows: 'evaporation'; weather: what a wet surface gives off (Penman 1948) by the "
+                                    "weather's global radiation, temperature, humidity and wind, hour by hour",
+                     .defaultText = "rows",
+                     .choices = kEvaporations},
+    ConfigurationKey{.name = "groundLight",
+                     .kind = KeyKind::Rows,
+                     .description = "day, part of the weather's global radiation that reaches the ground from then on; "
+                                    "none: all",
+                     .minimum = 0.0,
+                     .minimumCount = 2,
+                     .maximumCount = 2},
+    ConfigurationKey{.name = "albedo",
+                     .description = "part of the global radiation that the ground reflects",
+                     .unit = "1",
+                     .minimum = 0.0,
+                     .maximum = 1.0},
+    ConfigurationKey{.name = "longWaveLoss",
+                     .description = "radiation that the ground loses in long waves, and heat that goes into it",
+                     .unit = "W/m^2"},
+    ConfigurationKey{.name = "roughness",
+                     .description = "aerodynamic roughness of the ground; evaporationBy weather needs it",
+                     .unit = "m",
+                     .minimum = 0.0},
+    ConfigurationKey{.name = "windHeight",
+                     .description = "height at which wind, temperature and humidity are measured",
+                     .unit = "m",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 2.0},
+    ConfigurationKey{.name = "airPressure",
+                     .description = "pressure of the air",
+                     .unit = "kPa",
+                     .minimum = 0.0,
+                     .isMinimumExclusive = true,
+                     .defaultNumber = 101.3},
     ConfigurationKey{.name = "weatherPeriod",
-                     .description = "days after which rain and evaporation repeat; 0: never",
+                     .description = "days after which rain, evaporation and groundLight repeat; 0: never",
                      .unit = "day",
                      .minimum = 0.0},
     ConfigurationKey{.name = "driestHead",
@@ -234,6 +272,13 @@ SoilWaterKeys readSoilWater(const Configuration& configuration) {
   const double period = configuration.number("weatherPeriod");
   keys.rain = RateSeries(configuration.rows("rain"), period);
   keys.evaporation = RateSeries(configuration.rows("evaporation"), period);
+  keys.evaporatesByWeather = configuration.text("evaporationBy") == "weather";
+  keys.groundLight = RateSeries(configuration.rows("groundLight"), period);
+  keys.albedo = configuration.number("albedo");
+  keys.longWaveLoss = configuration.number("longWaveLoss");
+  keys.roughness = configuration.number("roughness");
+  keys.windHeight = configuration.number("windHeight");
+  keys.airPressure = configuration.number("airPressure");
   keys.initialHead = configuration.number("initialHead");
   keys.initialHeads = configuration.numbers("initialHeads");
   if (configuration.text("initially") == "waterTable") {
@@ -270,7 +315,23 @@ std::vector<core::Diagnostic> checkSoilWater(const Configuration& configuration)
                              "a row is thickness, residual content, saturated content, α, n, conductivity"));
     }
   }
-  for (const std::string key : {"rain", "evaporation"}) {
+  if (configuration.text("evaporationBy") == "weather") {
+    const double roughness = configuration.number("roughness");
+    if (!(roughness > 0.0 && roughness < configuration.number("windHeight"))) {
+      errors.push_back(wrong("'evaporationBy' weather needs a 'roughness' above 0 and below 'windHeight'",
+                             "give the aerodynamic roughness of the ground in metres"));
+    }
+    if (!configuration.rows("evaporation").empty()) {
+      errors.push_back(wrong("'evaporation' has rows, and 'evaporationBy' is weather", "leave one of them out"));
+    }
+  }
+  for (const auto& row : configuration.rows("groundLight")) {
+    if (row[1] > 1.0) {
+      errors.push_back(wrong("'groundLight' has a part above 1", "give the part of the global radiation, from 0 to 1"));
+      break;
+    }
+  }
+  for (const std::string key : {"rain", "evaporation", "groundLight"}) {
     const auto& rows = configuration.rows(key);
     for (std::size_t i = 1; i < rows.size(); ++i) {
       if (!(rows[i - 1][0] < rows[i][0])) {

@@ -30,7 +30,14 @@ struct SoilWaterKeys {
   double dispersivity = 0.0;  // of H⁺
   SoilBorders borders;        // without the weather
   RateSeries rain;
-  RateSeries evaporation;
+  RateSeries evaporation;  // without evaporatesByWeather
+  bool evaporatesByWeather = false;
+  RateSeries groundLight;  // part of the global radiation that reaches the ground; without rows all
+  double albedo = 0.0;
+  double longWaveLoss = 0.0;   // W/m²
+  double roughness = 0.0;      // m
+  double windHeight = 2.0;     // m
+  double airPressure = 101.3;  // kPa
   double initialHead = -1.0;
   std::vector<double> initialHeads;  // of the cells, x fastest; empty: none are given
   std::optional<double> waterTableDepth;

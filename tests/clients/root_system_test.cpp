@@ -122,6 +122,8 @@ TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
             "line 3: the node 0 is there twice. Give each node a number of its own");
   EXPECT_EQ(ofTable("0\t-1\t0\tnorth\t0\n"),
             "line 2: expected a number in the column 'y', found 'north'. Write a number there");
+  EXPECT_EQ(ofTable("0\t-1\t0\t0\t0\n1\t0\t0\t0\t-1e308\n"),
+            "line 3: a coordinate is beyond 1e100. Correct the number");
   EXPECT_EQ(ofTable("0\t-1\t0\n"), "line 2: expected a number in the column 'y', found ''. Write a number there");
   EXPECT_EQ(
       readRootTable("x\ty\n1\t2\n").error(),
@@ -139,6 +141,16 @@ TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
             "line 2: expected a number, found 'up'. Write a number there");
   EXPECT_EQ(readRsml("<!DOCTYPE a [<!ENTITY b \"cccc\">]>\n<rsml/>").error(),
             "line 1: the file declares an entity, which root files do not need. Remove it");
+  EXPECT_EQ(readRsml("<rsml><scene><root><point x='1' y='2e200'/></root></scene></rsml>").error(),
+            "line 1: the coordinate 2e200 is beyond 1e100. Correct the number");
+  EXPECT_EQ(readRsml("<rsml><metadata>\n<unit>parsec</unit></metadata><scene/></rsml>").error(),
+            "line 2: the unit 'parsec' is unknown. Write one of m, dm, cm, mm, um, inch, pixel, or unknown");
+  // a property has a unit of its own
+  const std::string property = "<property-definitions><property-definition><unit>day</unit></property-definition>";
+  EXPECT_EQ(readRsml("<rsml><metadata><unit> cm </unit>" + property +
+                     "</property-definitions></metadata><scene><root><point x='1' y='2'/></root></scene></rsml>")
+                ->unit,
+            "cm");
   std::string deep = "<rsml><scene>";
   for (int i = 0; i < 1001; ++i) {
     deep += "<root>";

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,13 +64,19 @@ std::vector<const validation::Case*> chosenCases(const ValidateOptions& options)
   return chosen;
 }
 
+/// Where the part of a page about a case begins.
+constexpr const char* kPartBegin = "\n## ";
+
 const char* verdictOf(const validation::Row& row) {
   return !row.tolerance ? "reported" : row.isMet() ? "met" : "NOT MET";
 }
 
 /// The part of a page about one case; `picture` is the address of its picture, or empty.
-std::string pagePart(const validation::Case& one, const validation::CaseResult& result, const std::string& picture) {
-  std::string part = "\n## " + std::string(one.name) + "\n\n" + std::string(one.title) + ".\n\n" +
+std::string pagePart(const validation::Case& one, const validation::CaseResult& result, double seconds,
+                     const std::string& picture) {
+  char took[40];
+  std::snprintf(took, sizeof took, "%.*f s", seconds < 10.0 ? 1 : 0, seconds);
+  std::string part = kPartBegin + std::string(one.name) + "\n\n" + std::string(one.title) + ". Took " + took + ".\n\n" +
                      "| compared | error | tolerance | result | published programs |\n|---|---:|---:|---|---|\n";
   for (const validation::Row& row : result.rows) {
     part += "| " + row.what + " | " + shortNumber(row.error) + " | " +
@@ -80,6 +87,41 @@ std::string pagePart(const validation::Case& one, const validation::CaseResult& 
     part += "\nA part is left out: it needs `" + name + "`.\n";
   }
   return picture.empty() ? part : part + "\n![" + std::string(one.name) + "](" + picture + ")\n";
+}
+
+/// The parts of a page that was written before, by case.
+std::map<std::string, std::string> partsOfPage(const std::string& page) {
+  std::map<std::string, std::string> parts;
+  for (std::size_t begin = page.find(kPartBegin); begin != std::string::npos;) {
+    const std::size_t end = page.find(kPartBegin, begin + 1);
+    const std::string part = page.substr(begin, end == std::string::npos ? end : end - begin);
+    const std::size_t name = std::string(kPartBegin).size();
+    parts[part.substr(name, part.find('\n', name) - name)] = part;
+    begin = end;
+  }
+  return parts;
+}
+
+std::size_t countOf(const std::string& text, const std::string& word) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + word.size())) {
+    ++count;
+  }
+  return count;
+}
+
+std::string pageOf(const std::map<std::string, std::string>& parts) {
+  std::string body;
+  for (const validation::Case& one : validation::cases()) {
+    const auto part = parts.find(std::string(one.name));
+    body += part == parts.end() ? "" : part->second;
+  }
+  const std::size_t missed = countOf(body, "| NOT MET |");
+  return "# Results of validation\n\nWritten by `espalier validate --data FOLDER --plot FOLDER --page FILE`, which "
+         "replaces the parts of the cases that it runs. [validation.md](validation.md) explains the benchmarks. Errors "
+         "are in the sense of the first column; times are those of one run. In pictures references are dashed.\n\n" +
+         std::to_string(countOf(body, "| met |")) + " comparisons met their tolerance, " + std::to_string(missed) +
+         " did not. Others are reported without one.\n" + body;
 }
 
 /// Prints the rows of a case; false when one is beyond its tolerance.
@@ -121,19 +163,18 @@ int validate(const ValidateOptions& options) {
   }
   std::printf("case\twhat\terror\ttolerance\tresult\tpublished programs\tseconds of the case\n");
   bool isMet = true;
-  std::string page =
-      "# Results of validation\n\nWritten by `espalier validate --data FOLDER --plot FOLDER --page FILE`. "
-      "[validation.md](validation.md) explains the benchmarks. Errors are in the sense of the first column. In "
-      "pictures "
-      "references are dashed.\n";
+  std::map<std::string, std::string> parts;
+  if (!options.page.empty()) {
+    server::DiskFileProvider files;
+    parts = partsOfPage(files.read(options.page).value_or(""));
+  }
   for (const validation::Case* one : chosen) {
     const auto begin = std::chrono::steady_clock::now();
     const validation::CaseResult result = one->run(data);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
     isMet = printRows(*one, result, seconds.count()) && isMet;
     std::string picture;
-    const std::string plot =
-        options.plots.empty() ? "" : validation::resultPlot(std::string(one->title), result.curves);
+    const std::string plot = options.plots.empty() ? "" : validation::resultPlot(std::string(one->title), result);
     if (!plot.empty()) {
       std::error_code ignored;
       std::filesystem::create_directories(options.plots, ignored);
@@ -147,10 +188,10 @@ int validate(const ValidateOptions& options) {
                     .lexically_proximate(std::filesystem::path(options.page).parent_path())
                     .generic_string();
     }
-    page += pagePart(*one, result, picture);
+    parts[std::string(one->name)] = pagePart(*one, result, seconds.count(), picture);
   }
   if (!options.page.empty()) {
-    if (const auto problem = server::writeFileAtomically(options.page, page)) {
+    if (const auto problem = server::writeFileAtomically(options.page, pageOf(parts))) {
       printError(*problem);
       return kFailure;
     }
@@ -178,7 +219,8 @@ void addValidate(CLI::App& program, int& status) {
   command->add_option("--data", options->data,
                       "Folder with the published tables; parts that need a missing table are left out and named");
   command->add_option("--plot", options->plots, "Folder for a picture (SVG) of each benchmark that has curves");
-  command->add_option("--page", options->page, "File for a page (Markdown) with the results and their pictures");
+  command->add_option("--page", options->page,
+                      "File for a page (Markdown) with the results and their pictures; parts of other cases stay");
   command->add_flag("--quick", options->isQuick, "Only the benchmarks of the ordinary tests");
   command->add_flag("--list", options->isList, "Print the benchmarks with what they compare, and run none");
   command->callback([options, &status] { status = validate(*options); });

@@ -163,6 +163,10 @@ tl::expected<RootSystem, std::string> readRootTable(std::string_view text) {
                             (row.node.radius < 0.0 ? "a radius is below 0" : "an order is not from 1 to 1000") +
                             ". Correct the number");
     }
+    const core::Vec3& place = row.node.place;
+    if (std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}) > kLargestCoordinate) {
+      return tl::unexpected(placeOf(number) + "a coordinate is beyond 1e100. Correct the number");
+    }
     row.node.order = static_cast<std::uint32_t>(order);
     rows.push_back(row);
   }

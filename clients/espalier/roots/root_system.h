@@ -28,6 +28,9 @@ struct RootSystem {
   std::string unit;  // of lengths; empty: unknown
 };
 
+/// Files with larger coordinates are refused: lengths between them could not be computed.
+inline constexpr double kLargestCoordinate = 1e100;
+
 /// Reads the Root System Markup Language (Lobet et al. 2015): axes as polylines, laterals inside their parent, the
 /// functions `diameter` and `emergence_time`, the unit of lengths. A lateral begins at the point `parent-node`, or else
 /// at the nearest point of its parent. An error is a sentence with the line, as for a unit that is unknown. At most 10

@@ -191,6 +191,9 @@ class Reader {
         fail("a point has no '" + std::string(name) + "'. Write its coordinates as attributes x, y and z");
       }
       *target = field ? numberIn(*field).value_or(0.0) : 0.0;
+      if (std::abs(*target) > kLargestCoordinate) {
+        fail("the coordinate " + std::string(field->substr(0, 40)) + " is beyond 1e100. Correct the number");
+      }
     }
     if (++pointCount_ > kMostPoints) {
       fail("the file has more than " + std::to_string(kMostPoints) + " points. Give a smaller file");

@@ -142,6 +142,8 @@ CaseResult openForest(const Data& data, const std::string& spheres, const std::s
   if (onlyZenith.empty()) {
     lowToOwn.addTo(result, "83.5 degrees, mean of 16 azimuths, Monte Carlo on these crowns", 0.012);
     low.addTo(result, "the same, published", std::nullopt);
+    result.across = "row of the table";
+    result.up = "absorbed part of the light";
     for (Curve* curve : {&absorbed, &published}) {
       std::sort(curve->points.begin(), curve->points.end());
       result.curves.push_back(std::move(*curve));

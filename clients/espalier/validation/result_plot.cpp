@@ -75,7 +75,8 @@ Axis axisOf(const std::vector<Curve>& curves, bool isVertical) {
 
 }  // namespace
 
-std::string resultPlot(const std::string& title, const std::vector<Curve>& curves) {
+std::string resultPlot(const std::string& title, const CaseResult& result) {
+  const std::vector<Curve>& curves = result.curves;
   if (curves.empty()) {
     return {};
   }
@@ -85,9 +86,10 @@ std::string resultPlot(const std::string& title, const std::vector<Curve>& curve
   const auto yOf = [&](double y) { return kBottom - (kBottom - kTop) * (y - up.low) / (up.high - up.low); };
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(kPictureWidth) + "\" height=\"" +
                     number(kPictureHeight) + "\" font-family=\"sans-serif\" font-size=\"12\">\n" +
-                    "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n" + label(kLeft, 20.0, "start", title);
+                    "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n" + label(kLeft, 16.0, "start", title) +
+                    label(kLeft, 33.0, "start", result.up) + label(kRight, kBottom + 28.0, "end", result.across);
   for (double x = std::ceil(across.low / across.mark) * across.mark; x <= across.high; x += across.mark) {
-    svg += label(xOf(x), kBottom + 18.0, "middle", number(x, "%.6g"));
+    svg += label(xOf(x), kBottom + 14.0, "middle", number(x, "%.6g"));
   }
   for (double y = std::ceil(up.low / up.mark) * up.mark; y <= up.high; y += up.mark) {
     svg += "<path stroke=\"#dddddd\" d=\"M" + number(kLeft) + " " + number(yOf(y)) + "H" + number(kRight) + "\"/>\n";

@@ -60,6 +60,8 @@ CaseResult singleRoot(const Data&) {
     }
     result.rows.push_back({"parameters " + std::to_string(k + 1) + ", heads with 1, 10 and 500 segments, relative",
                            worst, 1e-6, k == 0 ? "DuMux 3.0e-4, OpenSimRoot 5.5e-4, R-SWMS 5.5e-5, SRI 2.6e-4" : ""});
+    result.across = "depth, cm";
+    result.up = "head in the xylem, cm";
     result.curves.push_back(std::move(ours));
     result.curves.push_back(std::move(theirs));
   }

@@ -130,6 +130,8 @@ CaseResult infiltration(const Data& data, const std::string& name) {
         }
       }
       std::sort(theirs.points.begin(), theirs.points.end());
+      result.across = "depth, cm";
+      result.up = "water content";
       result.curves.push_back(std::move(ours));
       result.curves.push_back(std::move(theirs));
       for (std::size_t row = 0; totals && row < totals->rowCount(); ++row) {
@@ -221,6 +223,8 @@ CaseResult evaporation(const Data& data) {
     result.rows.push_back({name + ", balance of water, relative",
                            std::abs((stored + solver.state().balance.infiltrated) / solver.storedWater() - 1.0), 1e-8,
                            ""});
+    result.across = "time, day";
+    result.up = "evaporation, cm/day";
     result.curves.push_back(std::move(ours));
     result.curves.push_back(std::move(theirs));
   }

@@ -277,6 +277,8 @@ CaseResult selfThinning(const Data&) {
     result.rows.push_back({"crowding, " + name + ", slope " + numberText(std::round(slope * 1e3) / 1e3) + " from " +
                                numberText(-0.5 * shape.power).substr(0, 6),
                            std::abs(slope + 0.5 * shape.power), 0.1, ""});
+    result.across = "ln density";
+    result.up = "ln mean mass";
     result.curves.push_back({name, false, std::move(shape.points)});
   }
   return result;

@@ -247,6 +247,8 @@ void addDryingSoil(const ReferenceTable& table, const ReferenceTable* ages, cons
   result.rows.push_back({name + ", uptake in three days, cm3 (reference of a: 3.470)", taken, std::nullopt, ""});
   result.rows.push_back({name + ", balance of water, relative",
                          std::abs((stored - taken) / roots.integral("waterContent") - 1.0), 1e-8, ""});
+  result.across = "time, day";
+  result.up = "uptake since the beginning, cm³";
   result.curves.push_back(std::move(ours));
 }
 

@@ -4,6 +4,7 @@
 
 #include "engine/turtle/field.h"
 #include "engine/turtle/weather.h"
+#include "environment/base/air.h"
 #include "tests/environment/query_builder.h"
 
 namespace espalier::environment {
@@ -134,6 +135,68 @@ TEST(SoilWater, TheWeathersRainTakesThePlaceOfItsOwn) {
             "Environment 'soil-water' needs the weather from day 2 to day 3, and the table ends on day 2 or begins "
             "after it. Add rows to the table, or make fewer steps.");
   EXPECT_NEAR(stored() - before, 0.012, 1e-9);
+}
+
+/// Water that a column loses in each of so many days, length.
+std::vector<double> lossesOf(turtle::EnvironmentProcess& process, int days) {
+  const auto stored = [&] {
+    double sum = 0.0;
+    for (const double content : process.fields()[0].values) {
+      sum += 0.1 * content;
+    }
+    return sum;
+  };
+  std::vector<double> losses;
+  for (int day = 0; day < days; ++day) {
+    const double before = stored();
+    EXPECT_FALSE(process.tick(day).has_value());
+    losses.push_back(before - stored());
+  }
+  return losses;
+}
+
+TEST(SoilWater, TheWeatherSaysHowMuchAWetSurfaceEvaporates) {
+  turtle::EnvironmentContext context;
+  context.world.weather = std::make_shared<const turtle::Weather>(
+      turtle::Weather::read("time,global,temperature,humidity,wind\n0,300,20,50,2\n2,0,20,100,2\n3,0,20,100,2\n", "")
+          .value());
+  const std::string evaporates = R"(,"bottom":"closed","evaporationBy":"weather","roughness":0.01,"albedo":0.2,)"
+                                 R"("longWaveLoss":40,"groundLight":[[0,1],[1,0.5]])";
+  const auto wet = openProcess("soil-water", "{" + kColumn + evaporates + R"(,"initialHead":-0.3})", context);
+  const Air air{20.0, 0.5 * saturationPressure(20.0), 101.3};
+  const double conductance = 2.0 * 0.41 * 0.41 / (std::log(200.0) * std::log(2000.0));
+  // kg m⁻² s⁻¹ as m/day: the whole light, then half of it, then a night of moist air with dew, which is left out
+  const std::vector<double> losses = lossesOf(*wet, 3);
+  EXPECT_NEAR(losses[0], 86.4 * wetSurfaceEvaporation(air, 0.8 * 300.0 - 40.0, conductance), 1e-9);
+  EXPECT_NEAR(losses[1], 86.4 * wetSurfaceEvaporation(air, 0.8 * 150.0 - 40.0, conductance), 1e-9);
+  EXPECT_NEAR(losses[2], 0.0, 1e-9);
+  // dry ground gives what its surface lets out
+  const auto dry = openProcess("soil-water", "{" + kColumn + evaporates + R"(,"initialHead":-100})", context);
+  const double little = lossesOf(*dry, 1)[0];
+  EXPECT_GT(little, 0.0);
+  EXPECT_LT(little, 0.01 * losses[0]);
+}
+
+TEST(SoilWater, EvaporationByWeatherNeedsTheWeather) {
+  turtle::EnvironmentContext context;
+  const std::string keys = "{" + kColumn + R"(,"evaporationBy":"weather","roughness":0.01})";
+  const auto openingError = [&] {
+    auto process = makeProcess("soil-water", keys);
+    return (*process)->open(context).value_or(turtle::EnvironmentError{}).message;
+  };
+  const std::string without = "Environment 'soil-water' has 'evaporationBy' weather, and the world's weather has no '";
+  const std::string remedy =
+      "'. Give the world a weather with global, temperature, humidity and wind, or 'evaporation' rows.";
+  EXPECT_EQ(openingError(), without + "global" + remedy);
+  context.world.weather = std::make_shared<const turtle::Weather>(
+      turtle::Weather::read("time,global,temperature,wind\n0,300,20,2\n1,300,20,2\n", "").value());
+  EXPECT_EQ(openingError(), without + "humidity" + remedy);
+  EXPECT_EQ(errorsOf(makeProcess("soil-water", R"({"evaporationBy":"weather"})")),
+            "error: environment process 'soil-water': 'evaporationBy' weather needs a 'roughness' above 0 and below "
+            "'windHeight'\n   hint: give the aerodynamic roughness of the ground in metres");
+  EXPECT_EQ(errorsOf(makeProcess("soil-water", R"({"groundLight":[[0,1.5]]})")),
+            "error: environment process 'soil-water': 'groundLight' has a part above 1\n"
+            "   hint: give the part of the global radiation, from 0 to 1");
 }
 
 TEST(SoilWater, FieldsShowWhatQueriesSee) {
