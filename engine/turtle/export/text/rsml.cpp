@@ -56,7 +56,17 @@ int decimalsOf(const Scene& scene) {
       largest = std::max({largest, std::abs(place.x), std::abs(place.y), std::abs(place.z)});
     }
   }
-  return largest > 0.0 ? std::clamp(kDigits - 1 - static_cast<int>(std::floor(std::log10(largest))), 0, 300) : 0;
+  if (!(largest > 0.0)) {
+    return 0;
+  }
+  int decimals = kDigits;
+  for (double power = 1.0; power <= largest && decimals > 0; power *= 10.0) {
+    --decimals;
+  }
+  for (double power = 0.1; power > largest && decimals < 300; power /= 10.0) {
+    ++decimals;
+  }
+  return decimals;
 }
 
 class RsmlWriter {
