@@ -4,6 +4,7 @@
 
 #include "engine/core/diagnostic.h"
 #include "engine/core/number_text.h"
+#include "engine/core/work_meter.h"
 #include "engine/language/dialects/textbook_modules.h"
 #include "engine/language/dialects/textbook_words.h"
 
@@ -133,6 +134,7 @@ void blankOut(std::string& text, std::size_t begin, std::size_t end) {
 // a comment may have several lines; one that is never closed ends with its line
 void blankComments(std::string& text) {
   for (std::size_t at = text.find("/*"); at != std::string::npos; at = text.find("/*", at)) {
+    core::pollWork();
     const std::size_t close = text.find("*/", at + 2);
     const std::size_t end = close == std::string::npos ? std::min(text.find('\n', at), text.size()) : close + 2;
     blankOut(text, at, end);
@@ -141,6 +143,7 @@ void blankComments(std::string& text) {
 
 void replaceSigns(std::string& text) {
   for (std::size_t at = 0; at < text.size(); ++at) {
+    core::pollWork();
     if (static_cast<unsigned char>(text[at]) < 0x80) {
       continue;
     }
@@ -244,6 +247,7 @@ TextPiece withoutRemark(const TextPiece& line, std::string_view whole) {
   }
   const bool hasArrow = arrowOf(text).has_value();
   for (std::size_t at = 1; at < text.size(); ++at) {
+    core::pollWork();
     const bool isSlashes = text.substr(at).starts_with("//");
     const bool isSign = isSlashes || text[at] == '#';
     const std::size_t behind = at + (isSlashes ? 2 : 1);
@@ -269,6 +273,7 @@ std::vector<TextPiece> partsOf(const TextPiece& text, Divides divides) {
   int depth = 0;
   std::size_t begin = 0;
   for (std::size_t at = 0; at <= text.text.size(); ++at) {
+    core::pollWork();
     const bool isEnd = at == text.text.size();
     depth += isEnd ? 0 : depthChange(text.text[at]);
     if (!isEnd && (depth != 0 || (text.text[at] != ',' && text.text[at] != ';'))) {
@@ -371,6 +376,7 @@ std::string plainTextbook(std::string_view text) {
 }
 
 std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text) {
+  core::pollWork();
   std::optional<std::pair<std::size_t, std::size_t>> first;
   for (const std::string_view arrow : kArrows) {
     const std::size_t at = text.find(arrow);
@@ -413,6 +419,7 @@ std::vector<TextPiece> textbookStatements(std::string_view text) {
 }
 
 std::optional<NamedValue> settingOf(const TextPiece& statement) {
+  core::pollWork();
   const std::size_t at = statement.text.find_first_of(":=");
   const auto find = [](std::string name) {
     if (name.ends_with(')') && name.find('(') != std::string::npos) {
