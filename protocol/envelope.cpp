@@ -132,7 +132,7 @@ tl::expected<Message, BadMessage> decodeMessage(std::string_view line) {
   if (!parsed) {
     return tl::unexpected(BadMessage{{}, std::move(parsed.error())});
   }
-  auto tree = std::make_shared<JsonTree>(JsonTree{std::move(*parsed)});
+  auto tree = std::make_shared<JsonTree>(std::move(*parsed));
   const nlohmann::json& root = tree->value;
   if (root.is_array()) {
     return refusal({}, {{}, "Batch arrays are not part of espalier/1. Send one object per line.", {}});

@@ -8,11 +8,11 @@ namespace espalier::protocol {
 
 std::optional<std::string> memberOf(std::string_view json, std::string_view name) {
   const auto parsed = parseJson(json);
-  if (!parsed || !parsed->is_object()) {
+  if (!parsed || !parsed->value.is_object()) {
     return std::nullopt;
   }
-  const auto found = parsed->find(name);
-  if (found == parsed->end()) {
+  const auto found = parsed->value.find(name);
+  if (found == parsed->value.end()) {
     return std::nullopt;
   }
   return found->is_string() ? found->get<std::string>() : found->dump();
@@ -20,11 +20,11 @@ std::optional<std::string> memberOf(std::string_view json, std::string_view name
 
 std::optional<std::map<std::string, std::string>> textsOf(std::string_view json, std::string_view name) {
   const auto parsed = parseJson(json);
-  if (!parsed || !parsed->is_object()) {
+  if (!parsed || !parsed->value.is_object()) {
     return std::nullopt;
   }
-  const auto found = parsed->find(name);
-  if (found == parsed->end() || !found->is_object()) {
+  const auto found = parsed->value.find(name);
+  if (found == parsed->value.end() || !found->is_object()) {
     return std::nullopt;
   }
   std::map<std::string, std::string> texts;
@@ -39,11 +39,11 @@ std::optional<std::map<std::string, std::string>> textsOf(std::string_view json,
 
 std::optional<std::vector<std::string>> listOf(std::string_view json, std::string_view name) {
   const auto parsed = parseJson(json);
-  if (!parsed || !parsed->is_object()) {
+  if (!parsed || !parsed->value.is_object()) {
     return std::nullopt;
   }
-  const auto found = parsed->find(name);
-  if (found == parsed->end() || !found->is_array()) {
+  const auto found = parsed->value.find(name);
+  if (found == parsed->value.end() || !found->is_array()) {
     return std::nullopt;
   }
   std::vector<std::string> texts;
@@ -65,7 +65,7 @@ std::optional<std::string> jsonProblem(std::string_view json) {
     return "brackets are nested deeper than " + std::to_string(kDeepestNesting);
   }
   try {
-    const nlohmann::json parsed = nlohmann::json::parse(json);
+    const JsonTree parsed(nlohmann::json::parse(json));
     return std::nullopt;
   } catch (const nlohmann::json::exception& exception) {
     return parserMessage(exception);

@@ -4,6 +4,7 @@
 #include <random>
 #include <utility>
 
+#include "server/running/turn_meter.h"
 #include "server/session/session.h"
 
 namespace espalier::server {
@@ -40,7 +41,9 @@ ServerCore::ServerCore(ServerOptions options)
       accounts_(options_.limits),
       store_(options_.dataFolder, options_.limits.storeBytes, options_.durability),
       models_(options_.galleryFolder, store_),
-      pool_({.workers = options_.workers}) {}
+      pool_({.workers = options_.workers}) {
+  boundHeaps(pool_.workers());
+}
 
 ServerCore::~ServerCore() {
   // workers destroy the simulations, so before the pool goes

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "engine/core/work_meter.h"
 #include "engine/derivation/system_tables.h"
 
 namespace espalier::simulation {
@@ -281,6 +282,7 @@ std::string adoptPrograms(SnapshotContent& content, const Programs& programs, co
     typesOf.push_back(typesIn(program, content.models[model]));
   }
   for (std::size_t i = 0; i < content.plants.size(); ++i) {
+    core::pollWork();
     const Plant& member = content.members[i];
     const std::string problem = adoptPlant(content.plants[i], member, content.completedSteps,
                                            typesOf[member.origin.model], *programs[member.origin.model], limits);

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "engine/core/hash.h"
+#include "engine/core/work_meter.h"
 #include "engine/simulation/byte_reader.h"
 #include "engine/simulation/byte_writer.h"
 #include "engine/simulation/snapshot.h"
@@ -665,6 +666,7 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
   };
   SectionReader sections(headOnly);
   while (!sections.hasEnded()) {
+    core::pollWork();
     const std::uint32_t tag = reader.number32();
     ByteReader section(reader.raw(reader.number64()));
     if (reader.hasFailed()) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/core/diagnostic.h"
+#include "engine/core/work_meter.h"
 #include "engine/simulation/snapshot_content.h"
 
 namespace espalier::simulation {
@@ -81,6 +82,7 @@ std::string problemOf(const std::vector<EditedModule>& modules, const Types& typ
                       std::vector<core::ModuleTypeId>& chosen) {
   std::uint64_t depth = 0;
   for (const EditedModule& module : modules) {
+    core::pollWork();
     const core::ModuleTypeId type = types.find(module);
     if (type == core::kNoModuleType) {
       return "The model has no module '" + module.symbol + "' with " + std::to_string(module.parameters.size()) +
@@ -175,6 +177,7 @@ EditedSnapshot editString(std::string_view snapshot, const StringEdit& edit) {
   derivation::ModuleString changed;
   changed.appendAll(old.first(edit.module), parameters.first(before));
   for (std::size_t i = 0; i < chosen.size(); ++i) {
+    core::pollWork();
     changed.append(chosen[i], edit.modules[i].parameters);
   }
   changed.appendAll(old.subspan(end), parameters.subspan(before + removed));

@@ -1,9 +1,11 @@
 #include "environment/base/json_text.h"
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <vector>
 
+#include "engine/core/work_meter.h"
 #include "environment/base/number_text.h"
 
 namespace espalier::environment {
@@ -36,29 +38,72 @@ std::string reasonOf(std::string_view what) {
   return reason;
 }
 
+/// Looks at a text before it is parsed: for an object that has a name twice, and for nesting so deep that the library,
+/// which copies and writes by recursion, would overflow the stack. The library's parser with a callback would find
+/// both, but it takes a time that grows with the square of an array's length.
+class NameWatch final : public json::json_sax_t {
+ public:
+  static constexpr std::size_t kGreatestDepth = 200;
+
+  bool null() override { return look(); }
+  bool boolean(bool) override { return look(); }
+  bool number_integer(json::number_integer_t) override { return look(); }
+  bool number_unsigned(json::number_unsigned_t) override { return look(); }
+  bool number_float(json::number_float_t, const std::string&) override { return look(); }
+  bool string(std::string&) override { return look(); }
+  bool binary(json::binary_t&) override { return false; }  // JSON has none
+  bool start_object(std::size_t) override { return open(); }
+  bool start_array(std::size_t) override { return open(); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(std::string& name) override {
+    if (!names_.back().insert(name).second) {
+      duplicate_ = name;
+    }
+    return look();
+  }
+  bool parse_error(std::size_t, const std::string&, const json::exception&) override { return false; }
+
+  [[nodiscard]] bool isTooDeep() const { return names_.size() > kGreatestDepth; }
+  /// The last name that an object has twice.
+  [[nodiscard]] const std::optional<std::string>& duplicate() const { return duplicate_; }
+
+ private:
+  static bool look() {
+    core::pollWork();
+    return true;
+  }
+  bool open() {
+    names_.emplace_back();
+    return !isTooDeep();
+  }
+  bool close() {
+    names_.pop_back();
+    return look();
+  }
+
+  std::vector<std::set<std::string>> names_;  // seen in each open object; none in an array
+  std::optional<std::string> duplicate_;
+};
+
 }  // namespace
 
 tl::expected<json, core::Diagnostic> parseJson(std::string_view text, const std::string& file) {
-  std::vector<std::set<std::string>> names;  // keys seen in each open object
-  std::string duplicate;
-  const json::parser_callback_t watch = [&](int, json::parse_event_t event, json& value) {
-    if (event == json::parse_event_t::object_start) {
-      names.emplace_back();
-    } else if (event == json::parse_event_t::object_end) {
-      names.pop_back();
-    } else if (event == json::parse_event_t::key && !names.back().insert(value.get<std::string>()).second) {
-      duplicate = value.get<std::string>();
-    }
-    return true;
-  };
+  NameWatch watch;
+  static_cast<void>(json::sax_parse(text.begin(), text.end(), &watch));
   core::Diagnostic diagnostic;
+  if (watch.isTooDeep()) {
+    diagnostic.message = "is nested more than " + std::to_string(NameWatch::kGreatestDepth) + " deep";
+    diagnostic.location = locate(text, 0, file);
+    return tl::unexpected(std::move(diagnostic));
+  }
   try {
-    json value = json::parse(text.begin(), text.end(), watch);
-    if (duplicate.empty()) {
+    json value = json::parse(text.begin(), text.end());
+    if (!watch.duplicate()) {
       return value;
     }
-    diagnostic.message = "has the key '" + duplicate + "' twice";
-    const std::size_t last = text.rfind("\"" + duplicate + "\"");
+    diagnostic.message = "has the key '" + *watch.duplicate() + "' twice";
+    const std::size_t last = text.rfind("\"" + *watch.duplicate() + "\"");
     diagnostic.location = locate(text, last == std::string_view::npos ? 0 : last, file);
   } catch (const json::parse_error& error) {
     diagnostic.message = "is not valid JSON: " + reasonOf(error.what());

@@ -12,7 +12,7 @@
 namespace espalier::environment {
 
 /// Parses JSON text. The error has the line and column in the text (called `file`); the caller completes its message,
-/// which is "is not valid JSON: ..." or "has the key 'radius' twice". O(text).
+/// which is "is not valid JSON: ...", "has the key 'radius' twice" or "is nested more than 200 deep". O(text log keys).
 [[nodiscard]] tl::expected<nlohmann::json, core::Diagnostic> parseJson(std::string_view text, const std::string& file);
 
 /// The value in words, for "found ...": "the text 'big'", "a list", "true", "the number 2.5", ...

@@ -13,8 +13,8 @@ template <typename T, typename Decoder>
   try {
     // a message that the bulk reader took is parsed again: it was read for another method
     const bool isBulk = payload.bulk() != nullptr;
-    const nlohmann::json again = isBulk ? nlohmann::json::parse(payload.toText(), nullptr, false) : nlohmann::json();
-    const auto* tree = isBulk ? &again : static_cast<const nlohmann::json*>(payload.value());
+    const JsonTree again(isBulk ? nlohmann::json::parse(payload.toText(), nullptr, false) : nlohmann::json());
+    const auto* tree = isBulk ? &again.value : static_cast<const nlohmann::json*>(payload.value());
     T value{};
     std::vector<std::string>* const unknown = payload.unknownMembers();
     AskedMembers asked;

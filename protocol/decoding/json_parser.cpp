@@ -30,6 +30,21 @@ std::size_t nestingOf(std::string_view json) {
   return deepest;
 }
 
+/// Destroys what arrays and objects have, the innermost first. Its depth is that of the nesting, which is bounded.
+void makeEmpty(nlohmann::json& value) noexcept {
+  if (auto* const array = value.get_ptr<nlohmann::json::array_t*>()) {
+    for (nlohmann::json& element : *array) {
+      makeEmpty(element);
+    }
+    array->clear();
+  } else if (auto* const object = value.get_ptr<nlohmann::json::object_t*>()) {
+    for (auto& [name, member] : *object) {
+      makeEmpty(member);
+    }
+    object->clear();
+  }
+}
+
 /// Builds the tree of a message, called by nlohmann::json::sax_parse. Refuses an object that has a name twice: readers
 /// would disagree about which value counts.
 class TreeBuilder {
@@ -60,7 +75,7 @@ class TreeBuilder {
     return false;
   }
 
-  [[nodiscard]] nlohmann::json take() { return std::move(root_); }
+  [[nodiscard]] JsonTree take() { return std::move(root_); }
   [[nodiscard]] const std::string& problem() const { return problem_; }
   /// When it was refused without a problem.
   [[nodiscard]] const std::string& repeatedName() const { return repeatedName_; }
@@ -88,14 +103,18 @@ class TreeBuilder {
     return place_;
   }
 
-  nlohmann::json root_;
-  nlohmann::json* place_ = &root_;     // of the next value, unless it is an element
-  std::vector<nlohmann::json*> open_;  // objects and arrays around, outermost first
+  JsonTree root_;
+  nlohmann::json* place_ = &root_.value;  // of the next value, unless it is an element
+  std::vector<nlohmann::json*> open_;     // objects and arrays around, outermost first
   std::string problem_;
   std::string repeatedName_;
 };
 
 }  // namespace
+
+JsonTree::~JsonTree() {
+  makeEmpty(value);
+}
 
 bool isNestedTooDeeply(std::string_view json) {
   return nestingOf(json) > kDeepestNesting;
@@ -107,7 +126,7 @@ std::string parserMessage(const nlohmann::json::exception& exception) {
   return bracket == std::string::npos ? text : text.substr(bracket + 2);
 }
 
-Expected<nlohmann::json> parseJson(std::string_view text) {
+Expected<JsonTree> parseJson(std::string_view text) {
   if (isNestedTooDeeply(text)) {
     return tl::unexpected(
         Error{ErrorCode::Parse,

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "protocol/errors.h"
 
@@ -19,7 +20,19 @@ inline constexpr std::size_t kDeepestNesting = 64;
 /// The parser's message without its exception numbers.
 [[nodiscard]] std::string parserMessage(const nlohmann::json::exception& exception);
 
+/// A parsed value. Its destructor takes no memory: that of the library moves the elements of each array into a new list
+/// before it destroys them, which ends the program when the account of the peer has no more memory.
+struct JsonTree {
+  JsonTree() = default;
+  explicit JsonTree(nlohmann::json parsed) : value(std::move(parsed)) {}
+  ~JsonTree();
+  JsonTree(JsonTree&&) noexcept = default;
+  JsonTree& operator=(JsonTree&&) = delete;
+
+  nlohmann::json value;
+};
+
 /// Parses a message. Refuses a text that is not JSON, is nested too deeply, or has an object with a name twice.
-[[nodiscard]] Expected<nlohmann::json> parseJson(std::string_view text);
+[[nodiscard]] Expected<JsonTree> parseJson(std::string_view text);
 
 }  // namespace espalier::protocol

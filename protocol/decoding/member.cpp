@@ -140,25 +140,27 @@ bool Member::boolean() const {
 }
 
 std::int64_t Member::integer(std::int64_t least, std::int64_t most) const {
-  const std::string expected = "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  const auto failRange = [&] {
+    failExpected("a whole number from " + std::to_string(least) + " to " + std::to_string(most));
+  };
   if (value_ == nullptr || !value_->is_number()) {
-    failExpected(expected);
+    failRange();
   }
   std::int64_t number = 0;
   if (value_->is_number_float()) {
     // some languages have only doubles and write 3.0
     const auto real = value_->get<double>();
     if (!(std::fabs(real) <= static_cast<double>(kMaximumExactInteger)) || real != std::floor(real)) {
-      failExpected(expected);
+      failRange();
     }
     number = static_cast<std::int64_t>(real);
   } else if (value_->is_number_unsigned() && value_->get<std::uint64_t>() > static_cast<std::uint64_t>(INT64_MAX)) {
-    failExpected(expected);
+    failRange();
   } else {
     number = value_->get<std::int64_t>();
   }
   if (number < least || number > most) {
-    failExpected(expected);
+    failRange();
   }
   return number;
 }

@@ -5,16 +5,12 @@
 #include <optional>
 #include <string_view>
 
+#include "protocol/decoding/json_parser.h"
 #include "protocol/messages.h"
 
 namespace espalier::protocol {
 
 // What a Payload refers to. For protocol's own .cpp files only: the JSON library stays out of the other headers.
-
-/// A whole message as a tree. The payload is a part of it.
-struct JsonTree {
-  nlohmann::json value;
-};
 
 /// A message of many queries or replies, read in one pass without a tree.
 struct BulkText {

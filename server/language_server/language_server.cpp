@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <charconv>
 
+#include "engine/core/work_meter.h"
 #include "server/language_server/language_session.h"
 
 namespace espalier::server {
 namespace {
 
+constexpr int kParseError = -32700;
 constexpr std::string_view kHeadEnd = "\r\n\r\n";
 constexpr std::string_view kLengthField = "content-length:";
 
@@ -41,6 +43,33 @@ std::string messageText(const nlohmann::json& message) {
   return message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+/// Members of messages lie a dozen deep. The library copies, compares and writes by recursion, so a deep value would
+/// overflow the stack.
+constexpr std::size_t kGreatestDepth = 100;
+
+bool isNestedTooDeeply(std::string_view json) {
+  std::size_t depth = 0;
+  bool isInText = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (isInText && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      isInText = !isInText;
+    } else if (!isInText && (c == '[' || c == '{') && ++depth > kGreatestDepth) {
+      return true;
+    } else if (!isInText && (c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+  return false;
+}
+
+std::string errorWithoutId(int code, const std::string& message) {
+  const nlohmann::json error{{"jsonrpc", "2.0"}, {"id", nullptr}, {"error", {{"code", code}, {"message", message}}}};
+  return messageText(error);
+}
+
 }  // namespace
 
 LanguageServer::LanguageServer(core::FileProvider& files) : session_(std::make_unique<LanguageSession>(files)) {}
@@ -48,9 +77,14 @@ LanguageServer::~LanguageServer() = default;
 LanguageServer::LanguageServer(LanguageServer&&) noexcept = default;
 
 std::vector<std::string> LanguageServer::receive(std::string_view message) {
+  core::pollWork();
+  if (isNestedTooDeeply(message)) {
+    return {errorWithoutId(kParseError, "the message is nested more than " + std::to_string(kGreatestDepth) +
+                                            " deep: no message of the protocol is")};
+  }
   const nlohmann::json parsed = nlohmann::json::parse(message, nullptr, false);
   if (parsed.is_discarded()) {
-    return {R"({"jsonrpc":"2.0","id":null,"error":{"code":-32700,"message":"the message is no JSON"}})"};
+    return {errorWithoutId(kParseError, "the message is no JSON")};
   }
   std::vector<std::string> sent;
   for (const nlohmann::json& answer : session_->receive(parsed)) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/core/work_meter.h"
+
 namespace espalier::server {
 namespace {
 
@@ -153,6 +155,7 @@ void LanguageSession::notify(const std::string& method, const Json& parameters, 
     }
     std::string text = document->text;
     for (const Json& change : parameters.at("contentChanges")) {
+      core::pollWork();
       const auto replacement = change.at("text").get<std::string>();
       if (!change.contains("range")) {
         text = replacement;
@@ -188,6 +191,8 @@ std::shared_ptr<const ModelAnalysis> LanguageSession::analysisOf(const std::stri
 }
 
 Json LanguageSession::rangeOf(const LineIndex& lines, std::size_t offset, std::size_t length) const {
+  // every list of an answer comes by here
+  core::pollWork();
   const EditorPosition begin = lines.positionAt(offset, unit_);
   const EditorPosition end = lines.positionAt(offset + length, unit_);
   return {{"start", {{"line", begin.line}, {"character", begin.column}}},

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/core/work_meter.h"
 #include "server/language_server/handbook_rows.h"
 #include "server/language_server/language_session.h"
 #include "server/language_server/rename.h"
@@ -51,6 +52,7 @@ std::string moduleHover(const ModelAnalysis& analysis, std::string_view text, co
   std::string productions;
   std::size_t count = 0;
   for (const NameUse& use : analysis.names) {
+    core::pollWork();
     if (use.meansTheSameAs(name) && use.isDefinition && use.arity == name.arity && !use.isExpanded) {
       ++count;
       productions += std::string(lineAt(analysis.map().files[use.file].text, use.offset)) + "\n";
@@ -68,11 +70,12 @@ std::string moduleHover(const ModelAnalysis& analysis, std::string_view text, co
 std::string macroHover(const ModelAnalysis& analysis, const NameUse& name) {
   std::string hover;
   for (const language::MacroDefinition& macro : analysis.macros) {
+    core::pollWork();
     if (macro.name == name.name) {
       const files::SourceMap::File& file = analysis.map().files[macro.file];
-      const auto place = files::locateInFile(file, macro.offset, 1);
-      hover += "```\n" + std::string(lineAt(file.text, macro.offset)) + "\n```\nmacro, defined at " + place.file + ":" +
-               std::to_string(place.line) + "\n\n";
+      const std::uint32_t line = analysis.lines[macro.file].positionAt(macro.offset, ColumnUnit::Bytes).line + 1;
+      hover += "```\n" + std::string(lineAt(file.text, macro.offset)) + "\n```\nmacro, defined at " + file.name + ":" +
+               std::to_string(line) + "\n\n";
     }
   }
   return hover;

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/core/work_meter.h"
 #include "engine/language/preprocess/macro_table.h"
 #include "server/language_server/handbook_rows.h"
 
@@ -70,6 +71,7 @@ std::vector<std::size_t> meaningsOf(const std::vector<NameUse>& names) {
   std::vector<std::size_t> meanings;
   std::map<std::pair<NameKind, std::pair<std::string, std::uint32_t>>, std::size_t> seen;
   for (const NameUse& name : names) {
+    core::pollWork();
     meanings.push_back(seen.emplace(std::pair(name.kind, std::pair(name.name, name.scope)), seen.size()).first->second);
     meanings.push_back(static_cast<std::size_t>(name.kind));
   }
@@ -111,13 +113,16 @@ tl::expected<std::vector<TextEdit>, std::string> renameEdits(const ModelAnalysis
               edits.end());
 
   EditedFiles edited(files);
-  std::map<std::uint32_t, std::string> texts;
-  for (auto edit = edits.rbegin(); edit != edits.rend(); ++edit) {
-    auto [text, isNew] = texts.try_emplace(edit->file, analysis.map().files[edit->file].text);
-    text->second.replace(edit->offset, edit->length, newName);
-  }
-  for (auto& [file, text] : texts) {
-    edited.put(analysis.map().files[file].name, std::move(text));
+  for (std::size_t begin = 0; begin < edits.size();) {
+    const files::SourceMap::File& file = analysis.map().files[edits[begin].file];
+    std::string text;
+    std::size_t copied = 0;  // bytes of the old text
+    for (const std::uint32_t number = edits[begin].file; begin < edits.size() && edits[begin].file == number; ++begin) {
+      core::pollWork();
+      text.append(file.text, copied, edits[begin].offset - copied).append(newName);
+      copied = edits[begin].offset + edits[begin].length;
+    }
+    edited.put(file.name, text.append(file.text, copied));
   }
   const auto after = analyseModel(analysis.file, edited);
   if (errorCount(*after) > errorCount(analysis) || meaningsOf(after->names) != meaningsOf(analysis.names)) {

@@ -11,18 +11,19 @@ std::uint32_t unitsOf(char byte) {
   return (value & 0xC0U) == 0x80U ? 0 : (value >= 0xF0U ? 2 : 1);
 }
 
+std::uint32_t unitsIn(std::string_view text) {
+  std::uint32_t units = 0;
+  for (const char c : text) {
+    units += unitsOf(c);
+  }
+  return units;
+}
+
 }  // namespace
 
 std::uint32_t columnAt(std::string_view line, std::size_t byte, ColumnUnit unit) {
   const std::string_view before = line.substr(0, std::min(byte, line.size()));
-  if (unit == ColumnUnit::Bytes) {
-    return static_cast<std::uint32_t>(before.size());
-  }
-  std::uint32_t units = 0;
-  for (const char c : before) {
-    units += unitsOf(c);
-  }
-  return units;
+  return unit == ColumnUnit::Bytes ? static_cast<std::uint32_t>(before.size()) : unitsIn(before);
 }
 
 std::size_t offsetAt(std::string_view text, EditorPosition position, ColumnUnit unit) {
@@ -56,13 +57,22 @@ LineIndex::LineIndex(std::string_view text) : text_(text) {
        newline = text.find('\n', newline + 1)) {
     begins_.push_back(newline + 1);
   }
+  for (std::size_t begin = 0; begin + kPieceBytes <= text.size(); begin += kPieceBytes) {
+    pieceUnits_.push_back(pieceUnits_.back() + unitsIn(text.substr(begin, kPieceBytes)));
+  }
+}
+
+std::size_t LineIndex::unitsBefore(std::size_t offset) const {
+  const std::size_t piece = offset / kPieceBytes;
+  return pieceUnits_[piece] + unitsIn(text_.substr(piece * kPieceBytes, offset % kPieceBytes));
 }
 
 EditorPosition LineIndex::positionAt(std::size_t offset, ColumnUnit unit) const {
   offset = std::min(offset, text_.size());
   const auto line = std::upper_bound(begins_.begin(), begins_.end(), offset) - begins_.begin() - 1;
   const std::size_t begin = begins_[static_cast<std::size_t>(line)];
-  return {static_cast<std::uint32_t>(line), columnAt(text_.substr(begin), offset - begin, unit)};
+  const std::size_t column = unit == ColumnUnit::Bytes ? offset - begin : unitsBefore(offset) - unitsBefore(begin);
+  return {static_cast<std::uint32_t>(line), static_cast<std::uint32_t>(column)};
 }
 
 }  // namespace espalier::server

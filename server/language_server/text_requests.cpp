@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/core/work_meter.h"
 #include "engine/language/format/formatter.h"
 #include "engine/language/preprocess/macro_table.h"
 #include "server/language_server/handbook_rows.h"
@@ -87,6 +88,7 @@ class TextTokens {
 
   std::vector<Token> collect() {
     for (std::size_t at = 0; at < text_.size();) {
+      core::pollWork();
       at = std::max(next(at), at + 1);
     }
     std::sort(tokens_.begin(), tokens_.end(), [](const Token& a, const Token& b) { return a.offset < b.offset; });
@@ -110,9 +112,7 @@ class TextTokens {
       return add(at, std::min(rest.find('\n'), rest.size()), TokenType::Comment);
     }
     if (rest.front() == '"') {
-      const std::string_view line = rest.substr(0, std::min(rest.find('\n'), rest.size()));
-      const std::size_t end = language::stringLiteralEnd(line, 0);
-      return end == 0 ? at + 1 : add(at, end, TokenType::String);
+      return afterQuote(at);
     }
     const bool beginsLine = at == 0 || text_[at - 1] == '\n';
     if (beginsLine && rest.front() == '#') {
@@ -132,6 +132,21 @@ class TextTokens {
     return language::isIdentifierStart(rest.front()) ? at + language::wordEnd(rest, 0) : at + 1;
   }
 
+  // Each line is searched once for its end, and once for a string that has none: where one quote has no partner, those
+  // behind it have none either.
+  std::size_t afterQuote(std::size_t at) {
+    if (at >= lineEnd_) {
+      lineEnd_ = std::min(text_.find('\n', at), text_.size());
+      isQuoteOpen_ = false;
+    }
+    if (isQuoteOpen_) {
+      return at + 1;
+    }
+    const std::size_t end = language::stringLiteralEnd(text_.substr(at, lineEnd_ - at), 0);
+    isQuoteOpen_ = end == 0;
+    return isQuoteOpen_ ? at + 1 : add(at, end, TokenType::String);
+  }
+
   std::size_t add(std::size_t offset, std::size_t length, TokenType type) {
     tokens_.push_back({offset, length, type});
     return offset + length;
@@ -140,7 +155,9 @@ class TextTokens {
   std::string_view text_;
   std::vector<Token> tokens_;  // the names first
   std::size_t nameCount_ = 0;
-  std::size_t name_ = 0;  // the first that does not lie before the place that is read
+  std::size_t name_ = 0;      // the first that does not lie before the place that is read
+  std::size_t lineEnd_ = 0;   // of the last line that had a quote
+  bool isQuoteOpen_ = false;  // that line has a quote without a partner
 };
 
 Json itemOf(const std::string& label, int kind, std::optional<std::string> documentation = std::nullopt) {
@@ -172,6 +189,7 @@ Json LanguageSession::completion(const Json& parameters) {
   }
   std::set<std::string> known;
   for (const NameUse& use : place->analysis->names) {
+    core::pollWork();
     const bool isHere = use.kind != NameKind::Parameter || use.scope == production;
     const bool isWanted = use.kind != NameKind::Unknown && use.kind != NameKind::Function &&
                           (use.kind != NameKind::Module || use.isDeclared);
@@ -259,25 +277,20 @@ Json LanguageSession::semanticTokens(const Json& parameters) {
     }
   }
   Json data = Json::array();
-  std::size_t lineBegin = 0;  // of the token before
-  std::uint32_t skippedLines = 0;
-  std::uint32_t column = 0;
+  EditorPosition before;
   for (const Token& token : TextTokens(text, std::move(names)).collect()) {
+    core::pollWork();
     // a comment over several lines is a token for each line
-    for (std::size_t begin = token.offset; begin < token.offset + token.length;) {
-      const std::size_t end = std::min({text.find('\n', begin), token.offset + token.length, text.size()});
-      for (std::size_t newline = text.find('\n', lineBegin); newline < begin; newline = text.find('\n', lineBegin)) {
-        lineBegin = newline + 1;
-        ++skippedLines;
-        column = 0;
-      }
-      const std::string_view line = std::string_view(text).substr(lineBegin, end - lineBegin);
-      const std::uint32_t first = columnAt(line, begin - lineBegin, unit_);
-      const std::uint32_t last = columnAt(line, end - lineBegin, unit_);
-      if (last > first) {
-        data.insert(data.end(), {skippedLines, first - column, last - first, static_cast<int>(token.type), 0});
-        skippedLines = 0;
-        column = first;
+    const std::string_view whole = std::string_view(text).substr(token.offset, token.length);
+    for (std::size_t begin = 0; begin < whole.size();) {
+      const std::size_t end = std::min(whole.find('\n', begin), whole.size());
+      const EditorPosition first = place->lines().positionAt(token.offset + begin, unit_);
+      const std::uint32_t behind = place->lines().positionAt(token.offset + end, unit_).column;
+      if (behind > first.column) {
+        const std::uint32_t column = first.line == before.line ? first.column - before.column : first.column;
+        data.insert(data.end(),
+                    {first.line - before.line, column, behind - first.column, static_cast<int>(token.type), 0});
+        before = first;
       }
       begin = end + 1;
     }

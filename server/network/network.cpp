@@ -12,6 +12,7 @@
 #include "server/network/http.h"
 #include "server/network/listening.h"
 #include "server/network/stream_connection.h"
+#include "server/running/turn_meter.h"
 #include "server/server_core.h"
 #include "server/session/session.h"
 
@@ -181,6 +182,9 @@ class Network::Implementation {
       }
       for (const auto& connection : std::set(connections_)) {
         connection->checkAccess();
+      }
+      if (isHeapTrimDue()) {
+        core_->pool().post({.run = [] { trimHeap(); }, .owner = "closing"});
       }
       if (const auto& signal = core_->options().aliveSignal) {
         signal();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/running/limit_errors.h"
 #include "server/running/turn_meter.h"
 
 namespace espalier::server {
@@ -161,6 +162,10 @@ void PeerConnection::closeNow() {
     return;
   }
   isClosed_ = true;
+  // a peer that has left keeps no worker busy
+  if (const auto decoding = decoding_.lock()) {
+    decoding->interrupt(Interruption::Reason::Cancelled);
+  }
   {
     const std::lock_guard lock(mutex_);
     isDeaf_ = true;
@@ -219,6 +224,7 @@ struct PeerConnection::BigMessage {
   std::shared_ptr<Session> session;
   Decode decode;
   asio::steady_timer done;
+  std::shared_ptr<Interruption> interruption = std::make_shared<Interruption>();
   bool isDone = false;  // network thread
 };
 
@@ -243,18 +249,29 @@ std::shared_ptr<PeerConnection::BigMessage> PeerConnection::postToWorker(Decode 
   const auto message = std::make_shared<BigMessage>(
       BigMessage{shared_from_this(), session_, std::move(decode), asio::steady_timer(executor_)});
   message->done.expires_at(std::chrono::steady_clock::time_point::max());
-  auto run = [message = message]() mutable {
-    TurnMeter meter(message->session->account(), MemoryKind::Decoding);
-    const core::WorkMeter::Scope scope(&meter);
-    try {
-      decodeAndHandle(*message, meter);
-    } catch (const std::exception& exception) {
+  decoding_ = message->interruption;
+  const std::uint32_t callSeconds = core_->options().limits.callSeconds;
+  auto run = [message = message, callSeconds]() mutable {
+    TurnMeter meter(message->session->account(), MemoryKind::Decoding, TurnMeter::WhenStopped::GetsNoMemory);
+    std::optional<std::string> failure;
+    {
+      const core::WorkMeter::Scope scope(&meter);
+      const Interruption::Scope stopping(*message->interruption, [&meter] { meter.stop(); });
+      try {
+        decodeAndHandle(*message, meter);
+      } catch (const std::exception& exception) {
+        failure = exception.what();
+      }
+    }
+    if (failure) {
       message->session->onLost(
-          meter.isRefused() ? message->session->account().memoryError()
-                            : protocol::Error{protocol::ErrorCode::Internal,
-                                              std::string("This message could not be handled: ") + exception.what() +
-                                                  ". Send smaller messages; the connection is closed.",
-                                              {}});
+          message->interruption->reason() != Interruption::Reason::None
+              ? callSecondsError(callSeconds, "The message was not read, and the connection is closed.", {})
+          : meter.isRefused() ? message->session->account().memoryError()
+                              : protocol::Error{protocol::ErrorCode::Internal,
+                                                "This message could not be handled: " + *failure +
+                                                    ". Send smaller messages; the connection is closed.",
+                                                {}});
     }
     // the network thread drops the connection, if it is the last to hold it
     const auto executor = message->self->executor_;
@@ -263,7 +280,12 @@ std::shared_ptr<PeerConnection::BigMessage> PeerConnection::postToWorker(Decode 
       message->done.cancel();
     });
   };
-  core_->pool().post({.run = std::move(run), .lane = Lane::Decode, .owner = session_->id()});
+  core_->pool().post(
+      {.run = std::move(run),
+       .lane = Lane::Decode,
+       .owner = session_->id(),
+       .limit = std::chrono::seconds(callSeconds),
+       .onLimit = [stopped = message->interruption] { stopped->interrupt(Interruption::Reason::CallSeconds); }});
   return message;
 }
 

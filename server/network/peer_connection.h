@@ -13,6 +13,7 @@
 
 #include "protocol/framing.h"
 #include "server/network/admission.h"
+#include "server/running/interruption.h"
 #include "server/server_core.h"
 #include "server/session/connection.h"
 #include "server/session/session.h"
@@ -154,6 +155,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   bool hasEnded_ = false;
   bool isHolding_ = false;  // isHeld_
   bool isClosing_ = false;
+  std::weak_ptr<Interruption> decoding_;  // of the big message that a worker handles
   bool isClosed_ = false;
 
   std::mutex mutex_;  // guards what follows; the network thread alone changes the flags

@@ -53,13 +53,14 @@ protocol::Error Account::memoryError() const {
   const std::string name = isOfOwner ? "accountMemoryBytes" : "memoryBytes";
   data.beginObject().key("limit").text(name).key("value").integer(std::uint64_t{full.memoryBytes_});
   data.key("bound").integer(full.bounds_.memoryBytes).endObject();
-  return {protocol::ErrorCode::Limit,
-          std::string(isOfOwner ? "this account" : "all simulations, streams and messages of this server together") +
-              (isOfOwner ? " has " : " have ") + std::to_string(full.memoryBytes_.load()) + " of " +
-              std::to_string(full.bounds_.memoryBytes) + " bytes (limit " + name +
-              "), and this needs more. Delete simulations, close streams, or start the server with a higher --limit " +
-              name + "=N.",
-          data.take()};
+  return {
+      protocol::ErrorCode::Limit,
+      (isOfOwner ? "the account '" + owner_ + "'" : "all simulations, streams and messages of this server together") +
+          (isOfOwner ? " has " : " have ") + std::to_string(full.memoryBytes_.load()) + " of " +
+          std::to_string(full.bounds_.memoryBytes) + " bytes (limit " + name +
+          "), and this needs more. Delete simulations, close streams, or start the server with a higher --limit " +
+          name + "=N.",
+      data.take()};
 }
 
 void Account::addSimulations(std::int64_t count) {
@@ -89,8 +90,9 @@ std::optional<protocol::Error> Account::cpuProblem() const {
     return std::nullopt;
   }
   return protocol::limitError("accountCpuSeconds", static_cast<std::uint64_t>(std::ceil(spent)), bounds_.cpuSeconds,
-                              "This account computes no more until the server is started again with a higher --limit "
-                              "accountCpuSeconds=N.");
+                              "The account '" + owner_ +
+                                  "' computes no more until the server is started again with a "
+                                  "higher --limit accountCpuSeconds=N.");
 }
 
 Accounts::Accounts(const ServerLimits& limits)

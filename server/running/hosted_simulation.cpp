@@ -335,6 +335,7 @@ std::optional<protocol::Error> HostedSimulation::edit(const protocol::EditParams
   edit.plant = params.plant;
   edit.module = params.module;
   for (const protocol::ModuleRecord& module : params.modules) {
+    core::pollWork();
     edit.modules.push_back({module.symbol, module.parameters});
   }
   const auto edited = simulation::editString(snapshot(), edit);

@@ -2,7 +2,9 @@
 
 #include <malloc.h>
 
+#include <algorithm>
 #include <ctime>
+#include <exception>
 
 namespace espalier::server {
 namespace {
@@ -20,16 +22,19 @@ constexpr std::int64_t kGraceBytes = 64 << 20;
 constexpr std::int64_t kLargeBytes = 32 << 20;
 constexpr std::int64_t kTrimSeconds = 1;
 
-/// Gives freed memory back to the system, at most once in a second: the C library keeps it for each thread, so turns on
-/// many threads would hold many times what is counted.
-void trimHeap() noexcept {
-  static std::atomic<std::int64_t> last{-kTrimSeconds};
+/// A turn was large, and the heap has not been trimmed since.
+std::atomic<bool> isTrimWanted{false};
+std::atomic<std::int64_t> lastTrim{-kTrimSeconds};  // seconds of the monotonic clock
+
+std::int64_t monotonicSeconds() noexcept {
   timespec now{};
   static_cast<void>(clock_gettime(CLOCK_MONOTONIC, &now));
-  std::int64_t before = last;
-  if (now.tv_sec - before >= kTrimSeconds && last.compare_exchange_strong(before, now.tv_sec)) {
-    static_cast<void>(malloc_trim(0));
-  }
+  return now.tv_sec;
+}
+
+/// An exception ends the work: destructors that take memory for a moment, as those of the JSON library do, cannot fail.
+bool isUnwinding() noexcept {
+  return std::uncaught_exceptions() > 0;
 }
 
 std::uint64_t threadNanoseconds() noexcept {
@@ -41,14 +46,34 @@ std::uint64_t threadNanoseconds() noexcept {
 
 }  // namespace
 
+void boundHeaps(unsigned workers) {
+  static_cast<void>(mallopt(M_ARENA_MAX, static_cast<int>(std::max(workers, 1U) + 1)));
+}
+
+bool isHeapTrimDue() noexcept {
+  return isTrimWanted && monotonicSeconds() - lastTrim >= kTrimSeconds;
+}
+
+void trimHeap() noexcept {
+  std::int64_t before = lastTrim;
+  if (isHeapTrimDue() && lastTrim.compare_exchange_strong(before, monotonicSeconds())) {
+    isTrimWanted = false;
+    static_cast<void>(malloc_trim(0));
+  }
+}
+
 TurnMeter::~TurnMeter() {
   giveBack();
   if (wasLarge_) {
+    isTrimWanted = true;
     trimHeap();
   }
 }
 
 bool TurnMeter::take(std::int64_t bytes) noexcept {
+  if (whenStopped_ == WhenStopped::GetsNoMemory && bytes > 0 && isStopped_ && !isUnwinding()) {
+    return false;
+  }
   const std::int64_t held = held_ += bytes;
   std::int64_t reserved = reserved_;
   while (bytes > 0 && held > reserved + kFreeBytes) {
@@ -61,7 +86,7 @@ bool TurnMeter::take(std::int64_t bytes) noexcept {
       continue;
     }
     isRefused_ = true;
-    if (bytes < kSmallBlockBytes && held < reserved + kGraceBytes) {
+    if ((bytes < kSmallBlockBytes && held < reserved + kGraceBytes) || isUnwinding()) {
       return true;
     }
     held_ -= bytes;

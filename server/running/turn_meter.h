@@ -12,7 +12,14 @@ namespace espalier::server {
 /// it, and given back at its end: what stays is then counted where it is (Holding). May be stopped from any thread.
 class TurnMeter final : public core::WorkMeter {
  public:
-  TurnMeter(Account& account, MemoryKind kind) : account_(&account), kind_(kind) {}
+  /// What the work does when it is stopped.
+  enum class WhenStopped : std::uint8_t {
+    Asks,          // its loops ask isStopped()
+    GetsNoMemory,  // it is code of a library that does not ask: the next block that it takes is refused
+  };
+
+  TurnMeter(Account& account, MemoryKind kind, WhenStopped whenStopped = WhenStopped::Asks)
+      : account_(&account), kind_(kind), whenStopped_(whenStopped) {}
   ~TurnMeter() override;
 
   /// Reserves in the account in advance, as for a block of a known size. False: the account does not have it.
@@ -38,6 +45,7 @@ class TurnMeter final : public core::WorkMeter {
  private:
   Account* account_;
   MemoryKind kind_;
+  WhenStopped whenStopped_;
   std::atomic<std::int64_t> held_{0};      // taken and not given back in this turn; below 0: it freed older memory
   std::atomic<std::int64_t> reserved_{0};  // of the account
   std::atomic<bool> wasLarge_{false};      // it reserved so much that the heap is to give memory back to the system
@@ -65,6 +73,16 @@ class PartMeter final : public core::WorkMeter {
   core::WorkMeter* const outer_;
   std::atomic<std::int64_t> net_{0};
 };
+
+/// The C library keeps freed memory, in a heap for each thread until there are eight for each core. A server bounds the
+/// number: what threads have freed is there for others. For the whole process, before its threads begin.
+void boundHeaps(unsigned workers);
+
+/// A large turn has ended since the heaps were trimmed, and that was a second ago.
+[[nodiscard]] bool isHeapTrimDue() noexcept;
+/// Gives freed memory back to the system when that is due. Large turns do it at their end; after the last of many that
+/// end together somebody else has to.
+void trimHeap() noexcept;
 
 /// `new` and `delete` of this program tell the meter of their thread what they take and give back.
 [[nodiscard]] bool isHeapMetered();

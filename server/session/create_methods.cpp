@@ -236,11 +236,11 @@ void simulationCreate(const Request& request, protocol::CreateParams params) {
 }
 
 void simulationFork(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::ForkParams params) {
-  doInTurn(request, std::move(runner),
-           [core = &request.session.core(), creator = request.session.id(), owner = request.session.account().owner(),
-            name = std::move(params.name)](SimulationRunner& self) {
-             return forkSimulation(*core, self.hosted(), creator, owner, name);
-           });
+  computeInTurn(request, std::move(runner),
+                [core = &request.session.core(), creator = request.session.id(),
+                 owner = request.session.account().owner(), name = std::move(params.name)](SimulationRunner& self) {
+                  return forkSimulation(*core, self.hosted(), creator, owner, name);
+                });
 }
 
 }  // namespace methods

@@ -1,4 +1,5 @@
 #include "protocol/codec.h"
+#include "server/running/interruption.h"
 #include "server/session/editor_conversation.h"
 #include "server/session/request_work.h"
 #include "server/session/session.h"
@@ -6,10 +7,24 @@
 namespace espalier::server::methods {
 
 void editorMessage(const Request& request, protocol::EditorParams params) {
-  runOnWorker(request, [params = std::move(params)](const Request& self) {
-    protocol::JsonWriter result;
-    result.beginObject().key("messages").texts(self.session.editor()->receive(params.message)).endObject();
-    self.session.respond(self.id, result.view());
+  const auto interruption = std::make_shared<Interruption>();
+  // a message that waits for its turn can be cancelled too
+  request.session.onCancel(request.id, [interruption] { interruption->interrupt(Interruption::Reason::Cancelled); });
+  request.session.editor()->takeTurn([weak = request.session.weak_from_this(), id = request.id,
+                                      message = std::make_shared<const std::string>(std::move(params.message)),
+                                      interruption](const EditorConversation::Turn& turn) {
+    const auto session = weak.lock();
+    if (session == nullptr) {
+      return;
+    }
+    const auto answer = [message, turn](const Request& self) {
+      self.session.editor()->receive(*message, [&](const EditorConversation::Messages& messages) {
+        protocol::JsonWriter result;
+        result.beginObject().key("messages").texts(messages).endObject();
+        self.session.respond(self.id, result.view());
+      });
+    };
+    runOnWorker({*session, id}, answer, interruption);
   });
 }
 

@@ -181,8 +181,10 @@ protocol::Expected<std::string> readPart(SimulationRunner& runner, const protoco
 namespace methods {
 
 void simulationGet(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::GetParams params) {
-  doInTurn(request, std::move(runner),
-           [params = std::move(params)](SimulationRunner& self) { return readPart(self, params); });
+  // only drawing can take long
+  const auto inTurn = params.what == "turtle" ? computeInTurn : doInTurn;
+  inTurn(request, std::move(runner),
+         [params = std::move(params)](SimulationRunner& self) { return readPart(self, params); });
 }
 
 }  // namespace methods

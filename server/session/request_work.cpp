@@ -155,6 +155,19 @@ std::shared_ptr<Command> makeCommand(const Request& request, TurnWork work) {
   return command;
 }
 
+std::optional<protocol::Error> cpuProblemOf(Session& session, const SimulationRunner& runner) {
+  auto problem = session.account().cpuProblem();
+  return problem ? problem : runner.account().cpuProblem();
+}
+
+void computeInTurn(const Request& request, std::shared_ptr<SimulationRunner> runner, TurnWork work) {
+  if (const auto problem = cpuProblemOf(request.session, *runner)) {
+    request.session.respondError(request.id, *problem);
+  } else {
+    doInTurn(request, std::move(runner), std::move(work));
+  }
+}
+
 void doInTurn(const Request& request, std::shared_ptr<SimulationRunner> runner, TurnWork work) {
   auto command = makeCommand(request, std::move(work));
   request.session.submit(request.id, std::move(runner), std::move(command));

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "protocol/errors.h"
@@ -29,7 +30,14 @@ void listOnWorker(const Request& request, std::function<void(const Request&)> wo
 using TurnWork = std::function<protocol::Expected<std::string>(SimulationRunner&)>;
 [[nodiscard]] std::shared_ptr<Command> makeCommand(const Request& request, TurnWork work);
 
-/// Has the work done in the simulation's next turn, and answers the request.
+/// Has the work done in the simulation's next turn, and answers the request. For what costs little, and for saving.
 void doInTurn(const Request& request, std::shared_ptr<SimulationRunner> runner, TurnWork work);
+
+/// The same, unless an account may compute no more: that of the caller, who does not compute at the expense of another
+/// either, or that of the simulation.
+void computeInTurn(const Request& request, std::shared_ptr<SimulationRunner> runner, TurnWork work);
+
+/// The reason for that, or nothing.
+[[nodiscard]] std::optional<protocol::Error> cpuProblemOf(Session& session, const SimulationRunner& runner);
 
 }  // namespace espalier::server

@@ -459,7 +459,11 @@ void Session::onCancel(const protocol::MessageId& id, std::function<void()> canc
 std::shared_ptr<EditorConversation> Session::editor() {
   const std::lock_guard lock(mutex_);
   if (editor_ == nullptr) {
-    editor_ = std::make_shared<EditorConversation>();
+    // its documents may take long to destroy, and the last reference may be dropped on the network's thread
+    const auto destroyOnWorker = [core = core_](EditorConversation* done) {
+      core->pool().post({.run = [done] { delete done; }, .owner = "closing"});
+    };
+    editor_ = std::shared_ptr<EditorConversation>(new EditorConversation(account()), destroyOnWorker);
   }
   return editor_;
 }

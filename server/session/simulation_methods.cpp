@@ -55,24 +55,25 @@ void deleteDamaged(const Request& request, const std::string& name) {
 namespace methods {
 
 void simulationSet(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::SetParams params) {
-  doInTurn(request, std::move(runner), [params = std::move(params)](SimulationRunner& self) {
+  computeInTurn(request, std::move(runner), [params = std::move(params)](SimulationRunner& self) {
     return changed(self, self.hosted().set(params.values));
   });
 }
 
 void simulationEdit(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::EditParams params) {
-  doInTurn(request, std::move(runner),
-           [params = std::move(params)](SimulationRunner& self) { return changed(self, self.hosted().edit(params)); });
+  computeInTurn(request, std::move(runner), [params = std::move(params)](SimulationRunner& self) {
+    return changed(self, self.hosted().edit(params));
+  });
 }
 
 void simulationReset(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::ResetParams params) {
-  doInTurn(request, std::move(runner),
-           [seed = params.seed](SimulationRunner& self) { return changed(self, self.hosted().reset(seed)); });
+  computeInTurn(request, std::move(runner),
+                [seed = params.seed](SimulationRunner& self) { return changed(self, self.hosted().reset(seed)); });
 }
 
 void simulationRestore(const Request& request, std::shared_ptr<SimulationRunner> runner,
                        protocol::RestoreParams params) {
-  doInTurn(request, std::move(runner), [params = std::move(params)](SimulationRunner& self) {
+  computeInTurn(request, std::move(runner), [params = std::move(params)](SimulationRunner& self) {
     HostedSimulation& hosted = self.hosted();
     return changed(self, params.checkpoint.empty() ? hosted.restore(params.snapshot)
                                                    : hosted.restoreCheckpoint(params.checkpoint));
@@ -80,12 +81,13 @@ void simulationRestore(const Request& request, std::shared_ptr<SimulationRunner>
 }
 
 void simulationSave(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::SaveParams params) {
+  // also for an account that may compute no more: what it has is not lost
   doInTurn(request, std::move(runner),
            [params = std::move(params)](SimulationRunner& self) { return saveState(self.hosted(), params); });
 }
 
 void simulationTrace(const Request& request, std::shared_ptr<SimulationRunner> runner, protocol::TraceParams params) {
-  doInTurn(request, std::move(runner), [params](SimulationRunner& self) -> protocol::Expected<std::string> {
+  computeInTurn(request, std::move(runner), [params](SimulationRunner& self) -> protocol::Expected<std::string> {
     HostedSimulation& hosted = self.hosted();
     if (auto error = hosted.setTraced(params.isTraced)) {
       return tl::unexpected(std::move(*error));

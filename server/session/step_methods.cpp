@@ -82,7 +82,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
     session.respond(id, protocol::encode(resultOf(runner, progress, !isAtEnd)));
     return false;
   }
-  if (const auto problem = runner.account().cpuProblem()) {
+  if (const auto problem = cpuProblemOf(session, runner)) {
     runner.publishEndOf(command);
     session.respondError(id, *problem);
     return false;

@@ -238,9 +238,45 @@ TEST(AccountsInUse, AnAccountThatHasComputedEnoughComputesNoMore) {
   EXPECT_EQ(member(error.data, "bound"), "1");
   EXPECT_EQ(errorOf(client->request("simulation.step", named(simulation))).data, error.data);
   EXPECT_EQ(static_cast<int>(errorOf(client->request("simulation.create", createParams(kSmall))).code), 1004);
-  // looking at what is there costs next to nothing
+  // looking at what is there costs next to nothing, and what is there is not lost
   EXPECT_EQ(stringOf(*client, simulation), "A");
+  resultOf(client->request("simulation.save", named(simulation)));
+  for (const auto& [method, more] : std::vector<std::pair<std::string, std::string>>{
+           {"simulation.get", R"("what":"turtle")"},
+           {"simulation.reset", ""},
+           {"simulation.fork", ""},
+           {"simulation.set", R"("parameters":{"i":1})"},
+           {"simulation.edit", R"("action":"prune","plant":0,"module":0)"}}) {
+    EXPECT_EQ(member(errorOf(client->request(method, named(simulation, more))).data, "limit"), "accountCpuSeconds")
+        << method;
+  }
   EXPECT_GE(std::stod(member(member(statusOf(*client), "account"), "cpuSeconds")), 1.0);
+}
+
+TEST(AccountsInUse, TheMessageNamesTheAccountThatHasComputedEnough) {
+  ServerOptions options;
+  options.limits.accountCpuSeconds = 1;
+  for (const char* name : {"ann", "ben"}) {
+    options.tokens.push_back(tokenOf(name, name, {protocol::Role::Controller}));
+  }
+  const RunningServer server(options);
+  client::ClientOptions as;
+  as.token = "ann";
+  const auto ann = connectTo(server, as);
+  as.token = "ben";
+  const auto ben = connectTo(server, as);
+  const std::string busy = create(
+      *ann,
+      "Lsystem: 1\nderivation length: 100000\nAxiom: A\nA : { i = 0; while (i < 100000) { i = i + 1; } } 1 --> A\n"
+      "endlsystem\n");
+  const std::string other = create(*ben, kSmall);
+  // what ben asks of a simulation of ann counts for ann
+  const protocol::Error error = errorOf(ben->request("simulation.run", named(busy)));
+  EXPECT_NE(error.message.find("The account 'ann' computes no more"), std::string::npos) << error.message;
+  EXPECT_EQ(member(resultOf(ben->request("simulation.step", named(other))), "step"), "1");
+  // ann does not compute at the expense of ben
+  const protocol::Error own = errorOf(ann->request("simulation.step", named(other)));
+  EXPECT_NE(own.message.find("The account 'ann' computes no more"), std::string::npos) << own.message;
 }
 
 /// A statement needs many times the memory of its text.
@@ -291,6 +327,148 @@ TEST(AccountsInUse, CompilingEndsAfterCallSecondsAndWhenItIsCancelled) {
   ASSERT_FALSE(outcome.has_value());
   EXPECT_EQ(member(outcome.error().data, "limit"), "callSeconds") << outcome.error().message;
   EXPECT_NE(outcome.error().message.find("Nothing was made."), std::string::npos);
+}
+
+TEST(AccountsInUse, LookingForOtherLanguagesAndForStringsEndsAfterCallSeconds) {
+  ServerOptions options;
+  options.limits.callSeconds = 1;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  // a time that grows with the square of the text
+  const std::string head = "Lsystem: 1\nderivation length: 1\nAxiom: A\n";
+  for (const std::string piece : {"\"\\", "/*\n"}) {
+    std::string text = head;
+    for (int i = 0; i < 400'000; ++i) {
+      text += piece;
+    }
+    protocol::JsonWriter params;
+    params.beginObject().key("source").text(text).endObject();
+    const client::Outcome outcome = client->request("model.check", params.view());
+    ASSERT_FALSE(outcome.has_value()) << piece;
+    EXPECT_EQ(member(outcome.error().data, "limit"), "callSeconds") << outcome.error().message;
+  }
+}
+
+/// The result of a message of the Language Server Protocol, or its error.
+client::Outcome tellEditor(client::Client& client, const std::string& method, const std::string& parameters) {
+  protocol::JsonWriter params;
+  params.beginObject().key("message").text(R"({"jsonrpc":"2.0","id":1,"method":")" + method + R"(","params":)" +
+                                           parameters + "}");
+  return client.request("editor.message", params.endObject().view());
+}
+
+std::string openedDocument(const std::string& text) {
+  protocol::JsonWriter params;
+  params.beginObject().key("textDocument").beginObject().key("uri").text("file:///a.l").key("text").text(text);
+  return params.endObject().endObject().take();
+}
+
+// a notification has no id
+client::Outcome openInEditor(client::Client& client, const std::string& text) {
+  protocol::JsonWriter params;
+  params.beginObject().key("message").text(R"({"jsonrpc":"2.0","method":"textDocument/didOpen","params":)" +
+                                           openedDocument(text) + "}");
+  return client.request("editor.message", params.endObject().view());
+}
+
+TEST(AccountsInUse, WhatAnEditorKeepsCountsAsLongAsItsConnection) {
+  const RunningServer server(withMemory(400'000'000));
+  const auto watcher = connectTo(server);
+  auto client = connectTo(server);
+  const auto compilingBytes = [&] { return numberOf(member(statusOf(*watcher), "memory"), "compilingBytes"); };
+  resultOf(tellEditor(*client, "initialize", "{}"));
+  resultOf(openInEditor(*client, bigModel(10'000)));
+  const std::uint64_t kept = compilingBytes();
+  EXPECT_GT(kept, 3'000'000U);
+  // answers do not stay
+  for (int i = 0; i < 5; ++i) {
+    resultOf(tellEditor(*client, "textDocument/semanticTokens/full", R"({"textDocument":{"uri":"file:///a.l"}})"));
+  }
+  EXPECT_EQ(compilingBytes(), kept);
+  // what it may not keep is refused
+  const protocol::Error error = errorOf(openInEditor(*client, bigModel(1'000'000)));
+  EXPECT_EQ(member(error.data, "limit"), "memoryBytes") << error.message;
+  client.reset();
+  // a worker destroys it
+  while (compilingBytes() > 0) {
+    std::this_thread::yield();
+  }
+}
+
+TEST(AccountsInUse, AMessageOfAnEditorThatWaitsCanBeCancelledAndKeepsNoWorker) {
+  ServerOptions options;
+  options.limits.callSeconds = 1;
+  const RunningServer server(options);
+  RawPeer peer(server);
+  peer.ask(kHello);
+  const auto message = [](int id, const std::string& text) {
+    protocol::JsonWriter params;
+    params.beginObject().key("message").text(text).endObject();
+    return R"({"jsonrpc":"2.0","id":)" + std::to_string(id) + R"(,"method":"editor.message","params":)" +
+           params.take() + "}\n";
+  };
+  peer.send(message(2, R"({"jsonrpc":"2.0","id":1,"method":"initialize","params":{}})"));
+  peer.line();
+  // the first computes until it may not any more; those behind it do not count that time as theirs
+  peer.send(message(
+      3, R"({"jsonrpc":"2.0","method":"textDocument/didOpen","params":)" + openedDocument(bigModel(1'500'000)) + "}"));
+  peer.send(message(4, R"({"jsonrpc":"2.0","id":4,"method":"shutdown"})"));
+  peer.send(message(5, R"({"jsonrpc":"2.0","id":5,"method":"shutdown"})"));
+  peer.send("{\"jsonrpc\":\"2.0\",\"method\":\"$/cancel\",\"params\":{\"id\":4}}\n");
+  std::string line = peer.line();
+  EXPECT_NE(line.find(R"("id":3)"), std::string::npos) << line;
+  EXPECT_NE(line.find(R"("limit":"callSeconds")"), std::string::npos) << line;
+  line = peer.line();
+  EXPECT_NE(line.find(R"("id":4,"error":{"code":1010)"), std::string::npos) << line;
+  line = peer.line();
+  EXPECT_NE(line.find(R"("id":5,"result")"), std::string::npos) << line;
+}
+
+/// simulation.edit that puts modules in.
+std::string manyModules(const std::string& simulation, std::size_t count) {
+  std::string params = R"({"simulation":")" + simulation + R"(","action":"insert","plant":0,"module":0,"modules":[)";
+  for (std::size_t i = 0; i < count; ++i) {
+    params += i == 0 ? R"({"symbol":"A","parameters":[1]})" : R"(,{"symbol":"A","parameters":[1]})";
+  }
+  return params + "]}";
+}
+
+TEST(AccountsInUse, AMessageOfManyValuesThatDoesNotFitIsRefusedAndTheServerLives) {
+  const RunningServer server(withMemory(100'000'000));
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kSmall);
+  // a tree that is given up has arrays of millions of elements: its destructor needs memory that is not there
+  for (const std::string element : {"1,", "[],", "{},"}) {
+    std::string elements;
+    for (int i = 0; i < 8'000'000; ++i) {
+      elements += element;
+    }
+    RawPeer peer(server);
+    peer.ask(kHello);
+    peer.send(R"({"jsonrpc":"2.0","id":2,"method":"simulation.edit","params":{"modules":[)" + elements + "1]}}\n");
+    const std::string line = peer.line();
+    EXPECT_NE(line.find(R"("limit":"memoryBytes")"), std::string::npos) << line.substr(0, 300);
+  }
+  EXPECT_EQ(member(resultOf(client->request("simulation.step", named(simulation))), "step"), "1");
+}
+
+TEST(AccountsInUse, DecodingABigMessageEndsAfterCallSeconds) {
+  ServerOptions options;
+  options.limits.callSeconds = 1;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client, kSmall);
+  RawPeer peer(server);
+  peer.ask(kHello);
+  // 56 MB
+  peer.send(R"({"jsonrpc":"2.0","id":2,"method":"simulation.edit","params":)" + manyModules(simulation, 1'800'000) +
+            "}\n");
+  const std::string line = peer.line();
+  EXPECT_NE(line.find(R"("limit":"callSeconds")"), std::string::npos) << line.substr(0, 300);
+  EXPECT_NE(line.find("The message was not read"), std::string::npos) << line.substr(0, 300);
+  EXPECT_TRUE(peer.isClosed());
+  // smaller ones are read
+  EXPECT_EQ(member(resultOf(client->request("simulation.edit", manyModules(simulation, 5'000))), "step"), "0");
 }
 
 TEST(AccountsInUse, DrawingEndsAfterCallSecondsForAnswersAndForViewers) {

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/core/work_meter.h"
+
 namespace espalier::language {
 
 /// A piece of a foreign text and where it is.
@@ -33,6 +35,7 @@ struct TextPiece {
 [[nodiscard]] inline std::vector<TextPiece> linesOf(std::string_view text, std::size_t offset = 0) {
   std::vector<TextPiece> lines;
   for (std::size_t begin = 0; begin < text.size();) {
+    core::pollWork();
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     lines.push_back({text.substr(begin, end - begin), offset + begin});
     begin = end + 1;

@@ -15,6 +15,8 @@ constexpr std::uint64_t kMostExpansion = 100;
 }  // namespace
 
 std::size_t stringLiteralEnd(std::string_view line, std::size_t begin) {
+  // a line of quotes that have no partners asks for each of them
+  core::pollWork();
   for (std::size_t i = begin + 1; i < line.size(); ++i) {
     if (line[i] == '\\') {
       ++i;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/core/streams.h"
+#include "engine/core/work_meter.h"
 
 namespace espalier::server {
 namespace {
@@ -264,6 +265,93 @@ TEST(LanguageServer, WrongMessagesGetAnErrorAndDoNoHarm) {
   EXPECT_EQ(Json::parse(editor.server().receive("[1]").at(0))["error"]["code"], -32600);
   editor.tell("textDocument/didChange", {{"textDocument", {{"uri", "file:///unknown.l"}}}});
   editor.tell("textDocument/didOpen", {{"textDocument", 1}});
+  EXPECT_EQ(placesOf(editor.at("definition", 7, 16)), (std::vector<std::string>{"0:8"}));
+}
+
+TEST(LanguageServer, AMessageThatIsNestedDeeplyGetsAnError) {
+  TreeEditor editor;
+  constexpr std::size_t kDepth = 500'000;  // recursion over it would overflow the stack
+  const std::string deep = std::string(kDepth, '[') + std::string(kDepth, ']');
+  for (const std::string& text :
+       {R"({"id":)" + deep + "}", R"({"id":1,"method":"shutdown","params":)" + deep + "}", deep}) {
+    const Json answer = Json::parse(editor.server().receive(text).at(0));
+    EXPECT_EQ(answer["error"]["code"], -32700);
+    EXPECT_NE(answer["error"]["message"].get<std::string>().find("nested more than 100 deep"), std::string::npos);
+  }
+  EXPECT_EQ(placesOf(editor.at("definition", 7, 16)), (std::vector<std::string>{"0:8"}));
+}
+
+TEST(LanguageServer, ALineOfMegabytesTakesNoLongerThanManyLines) {
+  // these took minutes: each place was counted from the beginning of its line
+  constexpr int kCount = 100'000;
+  std::string modules;
+  std::string quotes;
+  for (int i = 0; i < kCount; ++i) {
+    modules += "A(1)";
+    quotes += "\"\\";
+  }
+  Editor editor;
+  editor.open("file:///tree.l",
+              "Lsystem: 1\nderivation length: 1\nAxiom: " + modules + "\nA(x) --> A(x)\nendlsystem\n" + quotes + "\n");
+  ASSERT_TRUE(editor.diagnostics().empty()) << editor.diagnostics();
+  const Json document{{"textDocument", {{"uri", "file:///tree.l"}}}};
+  EXPECT_GT(editor.ask("textDocument/semanticTokens/full", document)["data"].size(), 5U * 2 * kCount);
+  EXPECT_EQ(editor.at("references", 3, 0).size(), kCount + 2U);
+  EXPECT_EQ(editor.at("documentHighlight", 3, 0).size(), kCount + 2U);
+  EXPECT_EQ(editor.at("references", 2, 7 + 4 * (kCount - 1)).back()["range"]["start"]["line"], 3);
+}
+
+TEST(LanguageServer, ALongerNameInManyPlacesIsPutInAtOnce) {
+  // this took minutes: the rest of the text was moved for each place
+  constexpr int kCount = 100'000;
+  std::string sum = "n";
+  for (int i = 0; i < kCount; ++i) {
+    sum += i % 100 == 99 ? ";\nn = n" : " + n";
+  }
+  Editor editor;
+  editor.open("file:///tree.l", "Lsystem: 1\nderivation length: 1\nStart: { n = 1; }\nAxiom: A\nEndEach: { n = " + sum +
+                                    "; }\nA --> A\nendlsystem\n");
+  ASSERT_TRUE(editor.diagnostics().empty()) << editor.diagnostics();
+  const Json edits = editor.at("rename", 2, 9, {{"newName", "number"}});
+  EXPECT_EQ(edits["changes"]["file:///tree.l"].size(), kCount + kCount / 100 + 3U) << edits.dump().substr(0, 200);
+}
+
+/// Work that is to stop after so many looks.
+class BoundedWork final : public core::WorkMeter {
+ public:
+  explicit BoundedWork(std::size_t bound) : bound_(bound) {}
+  [[nodiscard]] bool take(std::int64_t) noexcept override { return true; }
+  [[nodiscard]] bool isStopped() const noexcept override { return ++looks_ > bound_; }
+  [[nodiscard]] std::size_t looks() const { return looks_; }
+
+ private:
+  std::size_t bound_;
+  mutable std::size_t looks_ = 0;
+};
+
+TEST(LanguageServer, EveryRequestCanBeStoppedAndTheNextOneIsAnswered) {
+  TreeEditor editor;
+  const Json place{{"textDocument", {{"uri", "file:///tree.l"}}},
+                   {"position", {{"line", 7}, {"character", 0}}},
+                   {"newName", "Q"},
+                   {"contentChanges", {{{"text", "Axiom: B\n"}}}}};
+  // reading a message looks too
+  BoundedWork reading(SIZE_MAX);
+  {
+    const core::WorkMeter::Scope scope(&reading);
+    EXPECT_EQ(editor.ask("textDocument/none", place)["code"], -32601);
+  }
+  for (const char* method : {"hover", "definition", "references", "documentHighlight", "rename", "completion",
+                             "formatting", "documentSymbol", "semanticTokens/full"}) {
+    BoundedWork work(reading.looks());
+    const core::WorkMeter::Scope scope(&work);
+    EXPECT_THROW((void)editor.ask("textDocument/" + std::string(method), place), core::WorkStopped) << method;
+  }
+  {
+    BoundedWork work(reading.looks());
+    const core::WorkMeter::Scope scope(&work);
+    EXPECT_THROW(editor.tell("textDocument/didChange", place), core::WorkStopped);
+  }
   EXPECT_EQ(placesOf(editor.at("definition", 7, 16)), (std::vector<std::string>{"0:8"}));
 }
 

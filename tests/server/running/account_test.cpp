@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
 #include <vector>
 
 #include "engine/core/buffer.h"
@@ -27,9 +28,10 @@ TEST(Account, CountsForItsOwnerAndTheServer) {
   EXPECT_TRUE(ada.take(MemoryKind::Strings, 600));
   EXPECT_FALSE(ada.take(MemoryKind::Frames, 101));
   EXPECT_TRUE(ada.take(MemoryKind::Frames, 100));
-  EXPECT_EQ(ada.memoryError().message,
-            "this account has 700 of 700 bytes (limit accountMemoryBytes), and this needs more. Delete simulations, "
-            "close streams, or start the server with a higher --limit accountMemoryBytes=N.");
+  EXPECT_EQ(
+      ada.memoryError().message,
+      "the account 'ada' has 700 of 700 bytes (limit accountMemoryBytes), and this needs more. Delete simulations, "
+      "close streams, or start the server with a higher --limit accountMemoryBytes=N.");
   // the server is full before ben is
   EXPECT_FALSE(ben.take(MemoryKind::Strings, 301));
   EXPECT_TRUE(ben.take(MemoryKind::Strings, 300));
@@ -57,6 +59,7 @@ TEST(Account, ComputesNoMoreBeyondItsSeconds) {
   ada.spend(1'000'000);
   ASSERT_TRUE(ada.cpuProblem().has_value());
   EXPECT_EQ(ada.cpuProblem()->data, R"({"limit":"accountCpuSeconds","value":3,"bound":2})");
+  EXPECT_NE(ada.cpuProblem()->message.find("The account 'ada' computes no more"), std::string::npos);
   EXPECT_EQ(accounts.of("ben").cpuProblem(), std::nullopt);
   EXPECT_DOUBLE_EQ(accounts.server().cpuSeconds(), 2.001);
 }
@@ -119,6 +122,50 @@ TEST(TurnMeter, ManySmallBlocksEndTheTurnToo) {
       std::bad_alloc);
   EXPECT_TRUE(meter.isStopped());
   EXPECT_LT(blocks.size(), 100'000U);
+}
+
+TEST(TurnMeter, TheHeapIsTrimmedAlsoAfterTheLastOfManyLargeTurns) {
+  Accounts accounts(limitsOf(200'000'000, 0));
+  const auto makeLargeTurn = [&] {
+    TurnMeter meter(accounts.of("ada"), MemoryKind::Compiling);
+    const core::WorkMeter::Scope scope(&meter);
+    const std::vector<char> block(50'000'000);
+  };
+  // the second one ends within a second of the first
+  makeLargeTurn();
+  makeLargeTurn();
+  while (!isHeapTrimDue()) {
+    std::this_thread::yield();
+  }
+  trimHeap();
+  EXPECT_FALSE(isHeapTrimDue());
+}
+
+TEST(TurnMeter, DestructorsGetMemoryWhileAnExceptionEndsTheTurn) {
+  Accounts accounts(limitsOf(10'000'000, 0));
+  TurnMeter meter(accounts.of("ada"), MemoryKind::Compiling);
+  const core::WorkMeter::Scope scope(&meter);
+  struct Mover {
+    ~Mover() { const std::vector<char> moved(5'000'000); }
+  };
+  EXPECT_THROW(
+      {
+        const Mover mover;
+        const std::vector<char> tooMuch(20'000'000);
+      },
+      std::bad_alloc);
+  EXPECT_THROW(const std::vector<char> afterwards(20'000'000), std::bad_alloc);
+}
+
+TEST(TurnMeter, WorkThatDoesNotAskGetsNoMemoryWhenItIsStopped) {
+  Accounts accounts(limitsOf(10'000'000, 0));
+  TurnMeter meter(accounts.of("ada"), MemoryKind::Decoding, TurnMeter::WhenStopped::GetsNoMemory);
+  const core::WorkMeter::Scope scope(&meter);
+  EXPECT_TRUE(meter.take(8));
+  meter.stop();
+  EXPECT_FALSE(meter.take(8));
+  EXPECT_TRUE(meter.take(-8));
+  EXPECT_FALSE(meter.isRefused());
 }
 
 TEST(TurnMeter, CountsPartsByThemselves) {

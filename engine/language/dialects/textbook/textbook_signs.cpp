@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/work_meter.h"
 #include "engine/language/dialects/text_lines.h"
 #include "engine/language/dialects/textbook/textbook_modules.h"
 #include "engine/language/dialects/textbook/textbook_statements.h"
@@ -36,6 +37,7 @@ void blankOut(std::string& text, std::size_t begin, std::size_t end) {
 // a comment may have several lines; one that is never closed ends with its line
 void blankComments(std::string& text) {
   for (std::size_t at = text.find("/*"); at != std::string::npos; at = text.find("/*", at)) {
+    core::pollWork();
     const std::size_t close = text.find("*/", at + 2);
     const std::size_t end = close == std::string::npos ? std::min(text.find('\n', at), text.size()) : close + 2;
     blankOut(text, at, end);
@@ -44,6 +46,7 @@ void blankComments(std::string& text) {
 
 void replaceSigns(std::string& text) {
   for (std::size_t at = 0; at < text.size(); ++at) {
+    core::pollWork();
     if (static_cast<unsigned char>(text[at]) < 0x80) {
       continue;
     }
@@ -180,7 +183,7 @@ bool closesString(std::string_view behind) {
     return true;
   }
   const std::string_view rest = behind.substr(first);
-  const auto arrow = arrowOf(rest);
+  const auto arrow = arrowOf(rest.substr(0, 8));
   return std::string_view(":=)},;").find(rest.front()) != std::string_view::npos || (arrow && arrow->first == 0);
 }
 
@@ -191,6 +194,7 @@ void blankQuotes(std::string& text) {
     const std::string_view marks =
         line.text.substr(0, line.text.find('\'')).find_first_not_of(" \t{(,") == std::string_view::npos ? "\"'" : "\"";
     for (std::size_t open = line.text.find_first_of(marks); open != std::string_view::npos;) {
+      core::pollWork();
       const std::size_t close = line.text.find(line.text[open], open + 1);
       const bool isQuoted = close != std::string_view::npos && close > open + 1 &&
                             opensString(line.text.substr(0, open)) && closesString(line.text.substr(close + 1));
@@ -224,7 +228,10 @@ bool isRemarkOfWords(std::string_view inside) {
 void blankRemarksOfWords(std::string& text) {
   for (std::size_t open = text.find_first_of("{("); open != std::string::npos;
        open = text.find_first_of("{(", open + 1)) {
-    const std::size_t close = text.find(text[open] == '{' ? '}' : ')', open);
+    core::pollWork();
+    // a longer one is none, so that a line of brackets is read in linear time
+    const std::size_t length = std::string_view(text).substr(open, 200).find(text[open] == '{' ? '}' : ')');
+    const std::size_t close = length == std::string_view::npos ? std::string::npos : open + length;
     const bool isBehindBlank = open > 0 && (text[open - 1] == ' ' || text[open - 1] == '\t');
     if (close != std::string::npos && isBehindBlank &&
         isRemarkOfWords(std::string_view(text).substr(open + 1, close - open - 1))) {

@@ -4,6 +4,7 @@
 
 #include "engine/core/diagnostic.h"
 #include "engine/core/number_text.h"
+#include "engine/core/work_meter.h"
 #include "engine/language/dialects/textbook/textbook_modules.h"
 #include "engine/language/dialects/textbook/textbook_signs.h"
 #include "engine/language/dialects/textbook/textbook_words.h"
@@ -127,6 +128,7 @@ TextPiece withoutRemark(const TextPiece& line, std::string_view whole) {
   }
   const bool hasArrow = arrowOf(text).has_value();
   for (std::size_t at = 1; at < text.size(); ++at) {
+    core::pollWork();
     const bool isSlashes = text.substr(at).starts_with("//");
     const bool isSign = isSlashes || text[at] == '#';
     const std::size_t behind = at + (isSlashes ? 2 : 1);
@@ -152,6 +154,7 @@ std::vector<TextPiece> partsOf(const TextPiece& text, Divides divides) {
   int depth = 0;
   std::size_t begin = 0;
   for (std::size_t at = 0; at <= text.text.size(); ++at) {
+    core::pollWork();
     const bool isEnd = at == text.text.size();
     depth += isEnd ? 0 : depthChange(text.text[at]);
     if (!isEnd && (depth != 0 || (text.text[at] != ',' && text.text[at] != ';'))) {
@@ -244,6 +247,7 @@ TextPiece withoutQuotes(const TextPiece& value) {
 }  // namespace
 
 std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text) {
+  core::pollWork();
   std::optional<std::pair<std::size_t, std::size_t>> first;
   for (const std::string_view arrow : kArrows) {
     const std::size_t at = text.find(arrow);
@@ -286,6 +290,7 @@ std::vector<TextPiece> textbookStatements(std::string_view text) {
 }
 
 std::optional<NamedValue> settingOf(const TextPiece& statement) {
+  core::pollWork();
   const std::size_t at = statement.text.find_first_of(":=");
   const auto find = [](std::string name) {
     if (name.ends_with(')') && name.find('(') != std::string::npos) {
