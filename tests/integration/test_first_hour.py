@@ -97,13 +97,6 @@ class FirstHour(unittest.TestCase):
         done = espalier("run", str(GALLERY / "chapter-lsystem-viewer"), "-o", str(self.folder / "a.png"), status=1)
         self.assertIn("give the name of one of its other files: branch.lsv, circle.lsv,", done.stderr)
 
-    def test_a_forest_takes_its_models_as_every_command_does(self) -> None:
-        model = self.file(TREE)
-        for arguments in ((model, f"{model}=2"), ("--model", model, "--model", f"{model}=2")):
-            done = espalier("forest", *arguments, "--number", "4", "--distinct", "2", "-o", str(self.folder / "a.png"),
-                            "--size", "80x60")
-            self.assertIn("(4 trees, 2 of them distinct)", done.stderr)
-
     # ---- limits and numbers
 
     def test_a_limit_has_one_name(self) -> None:

@@ -468,7 +468,7 @@ void addForest(CLI::App& program, int& status) {
       "  espalier forest --from trees --show 100 --seed 2 --turntable 36 -o turn.png");
   auto options = std::make_shared<ForestOptions>();
   CLI::Option* models =
-      command->add_option("models,--model", options->models, "A model and its share of the trees (1). May be repeated")
+      command->add_option("--model", options->models, "A model and its share of the trees (1). May be repeated")
           ->type_name("MODEL[=SHARE]")
           ->allow_extra_args(false);
   command
