@@ -140,8 +140,9 @@ TEST(SoilWater, TheWeathersRainTakesThePlaceOfItsOwn) {
 /// Water that a column loses in each of so many days, length.
 std::vector<double> lossesOf(turtle::EnvironmentProcess& process, int days) {
   const auto stored = [&] {
+    const std::vector<turtle::Field> fields = process.fields();
     double sum = 0.0;
-    for (const double content : process.fields()[0].values) {
+    for (const double content : fields[0].values) {
       sum += 0.1 * content;
     }
     return sum;

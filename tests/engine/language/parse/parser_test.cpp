@@ -356,7 +356,8 @@ TEST(Parser, MistakesInTheFrame) {
       messagesOf("Axiom: A\nA --> B\n"),
       Messages{
           "1:1: error: expected 'Lsystem:' while reading the model, found the keyword 'Axiom:' | every L-system starts "
-          "with 'Lsystem:' and a label, and ends with 'endlsystem'"});
+          "with 'Lsystem:' and a label, and ends with 'endlsystem'. In the notation of textbooks write 'axiom: F' and "
+          "'F -> F+F'"});
   EXPECT_EQ(
       messagesOf("Lsystem:\nAxiom:\nendlsystem\n"),
       (Messages{
