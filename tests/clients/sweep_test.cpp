@@ -184,7 +184,8 @@ TEST(RunTable, ReadsTablesAndNamesTheLineOfAMistake) {
             "a/runs.csv:2: 'nan' in the column 'W' is not a number: give a finite number in every cell");
   EXPECT_EQ(runsOf(plan, "R\n").error(),
             "a/runs.csv: the table has no rows: give a line of names, and a line of numbers for each run");
-  EXPECT_EQ(runsOf(plan, "R,W\n1\n").error(), "a/runs.csv:2: the line has 1 values, and the first line 2 names");
+  EXPECT_EQ(runsOf(plan, "R,W\n1\n").error(),
+            "a/runs.csv:2: the line has 1 values, and the first line 2 names: give a value for each name");
   const std::string named = R"({"model":"a","parameters":{"R":{}},"runs":{"table":"runs.csv"},)" + kMeasures + "}";
   EXPECT_EQ(runsOf(named, "R,Rr\n1,2\n").error(),
             "a/runs.csv: there is no parameter 'Rr'. Did you mean 'R'? Available: seed, R.");

@@ -329,24 +329,21 @@ TEST(AccountsInUse, CompilingEndsAfterCallSecondsAndWhenItIsCancelled) {
   EXPECT_NE(outcome.error().message.find("Nothing was made."), std::string::npos);
 }
 
-TEST(AccountsInUse, LookingForOtherLanguagesAndForStringsEndsAfterCallSeconds) {
+TEST(AccountsInUse, LookingForOtherLanguagesEndsAfterCallSeconds) {
   ServerOptions options;
   options.limits.callSeconds = 1;
   const RunningServer server(options);
   const auto client = connectTo(server);
   // a time that grows with the square of the text
-  const std::string head = "Lsystem: 1\nderivation length: 1\nAxiom: A\n";
-  for (const std::string piece : {"\"\\", "/*\n"}) {
-    std::string text = head;
-    for (int i = 0; i < 400'000; ++i) {
-      text += piece;
-    }
-    protocol::JsonWriter params;
-    params.beginObject().key("source").text(text).endObject();
-    const client::Outcome outcome = client->request("model.check", params.view());
-    ASSERT_FALSE(outcome.has_value()) << piece;
-    EXPECT_EQ(member(outcome.error().data, "limit"), "callSeconds") << outcome.error().message;
+  std::string text = "Lsystem: 1\nderivation length: 1\nAxiom: A\n";
+  for (int i = 0; i < 400'000; ++i) {
+    text += "\"\\";
   }
+  protocol::JsonWriter params;
+  params.beginObject().key("source").text(text).endObject();
+  const client::Outcome outcome = client->request("model.check", params.view());
+  ASSERT_FALSE(outcome.has_value());
+  EXPECT_EQ(member(outcome.error().data, "limit"), "callSeconds") << outcome.error().message;
 }
 
 /// The result of a message of the Language Server Protocol, or its error.

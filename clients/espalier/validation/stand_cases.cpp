@@ -203,7 +203,11 @@ CaseResult saturatedSeeding(const Data&) {
     }
   }
   const double density = static_cast<double>(plants.size()) / (kSide * kSide);
-  return {{{"crowding, N R^2/area beyond 0.69 after 2500 tries per R^2", std::abs(density - 0.69), 0.01, ""}}, {}, {}, {}, {}};
+  return {{{"crowding, N R^2/area beyond 0.69 after 2500 tries per R^2", std::abs(density - 0.69), 0.01, ""}},
+          {},
+          {},
+          {},
+          {}};
 }
 
 /// The slope of log mean mass on log density by reduced major axis, of plants that keep their shape: radius grows by
