@@ -331,10 +331,10 @@ class Sweep(unittest.TestCase):
     def test_the_schema_has_the_members_that_the_reader_knows(self) -> None:
         schema = json.loads(self.sweep("--schema").stdout)
         message = self.mistake(model="tree.l", nosuchmember=1, measures={"n": {"count": "F"}})
-        listed = message.split("Available: ")[1].strip().rstrip(".").split(", ")
+        listed = " ".join(message.split("Available: ")[1].split()).rstrip(".").split(", ")
         self.assertEqual(sorted(listed), sorted(schema["properties"]))
         message = self.mistake(model="tree.l", measures={"n": {"nosuchmember": "F"}})
-        listed = message.split("Available: ")[1].strip().rstrip(".").split(", ")
+        listed = " ".join(message.split("Available: ")[1].split()).rstrip(".").split(", ")
         self.assertEqual(sorted(listed), sorted(schema["$defs"]["measure"]["properties"]))
 
     def test_without_slurm_the_command_says_what_it_would_submit(self) -> None:
