@@ -53,6 +53,17 @@ class Validation(unittest.TestCase):
         self.assertIn("at least one result is beyond its tolerance", run.stderr)
         self.assertIn("needs m32_uptake_fractions.tsv", run.stderr)
 
+    def test_a_page_takes_the_place_of_no_other_file_and_of_no_results(self) -> None:
+        thesis = self.folder / "thesis.md"
+        thesis.write_text("My thesis\n\n## Methods\n", encoding="utf-8")
+        done = espalier("validate", "sun", "--page", str(thesis), status=2)
+        self.assertIn("is not a page of espalier validate: give another name, or remove it", " ".join(done.stderr.split()))
+        self.assertEqual(thesis.read_text(encoding="utf-8"), "My thesis\n\n## Methods\n")
+        page = self.folder / "results.md"
+        page.write_text("# Results of validation\n\n## sun\n\n| zenith | 0.0001 | 0.0003 | met |\n", encoding="utf-8")
+        espalier("validate", "sun", "--page", str(page))
+        self.assertIn("| zenith | 0.0001 | 0.0003 | met |", page.read_text(encoding="utf-8"))
+
     def test_a_page_shows_rows_and_pictures(self) -> None:
         page = self.folder / "pages" / "results.md"
         page.parent.mkdir()

@@ -65,6 +65,7 @@ std::vector<const validation::Case*> chosenCases(const ValidateOptions& options)
 }
 
 /// Where the part of a page about a case begins.
+constexpr const char* kPageTitle = "# Results of validation\n";
 constexpr const char* kPartBegin = "\n## ";
 
 const char* verdictOf(const validation::Row& row) {
@@ -117,7 +118,8 @@ std::string pageOf(const std::map<std::string, std::string>& parts) {
     body += part == parts.end() ? "" : part->second;
   }
   const std::size_t missed = countOf(body, "| NOT MET |");
-  return "# Results of validation\n\nWritten by `espalier validate --data FOLDER --plot FOLDER --page FILE`, which "
+  return std::string(kPageTitle) +
+         "\nWritten by `espalier validate --data FOLDER --plot FOLDER --page FILE`, which "
          "replaces the parts of the cases that it runs. [validation.md](validation.md) explains the benchmarks. Errors "
          "are in the sense of the first column; times are those of one run. In pictures references are dashed.\n\n" +
          std::to_string(countOf(body, "| met |")) + " comparisons met their tolerance, " + std::to_string(missed) +
@@ -161,13 +163,18 @@ int validate(const ValidateOptions& options) {
   if (chosen.empty()) {
     return kUsage;
   }
-  std::printf("case\twhat\terror\ttolerance\tresult\tpublished programs\tseconds of the case\n");
-  bool isMet = true;
   std::map<std::string, std::string> parts;
   if (!options.page.empty()) {
     server::DiskFileProvider files;
-    parts = partsOfPage(files.read(options.page).value_or(""));
+    const std::string page = files.read(options.page).value_or("");
+    if (!page.empty() && !page.starts_with(kPageTitle)) {
+      printError("'" + options.page + "' (--page) is not a page of espalier validate: give another name, or remove it");
+      return kUsage;
+    }
+    parts = partsOfPage(page);
   }
+  std::printf("case\twhat\terror\ttolerance\tresult\tpublished programs\tseconds of the case\n");
+  bool isMet = true;
   for (const validation::Case* one : chosen) {
     const auto begin = std::chrono::steady_clock::now();
     const validation::CaseResult result = one->run(data);
@@ -187,6 +194,11 @@ int validate(const ValidateOptions& options) {
       picture = std::filesystem::path(file)
                     .lexically_proximate(std::filesystem::path(options.page).parent_path())
                     .generic_string();
+    }
+    if (result.rows.empty() && parts.contains(std::string(one->name))) {
+      printNote("the part '" + std::string(one->name) + "' of '" + options.page +
+                "' stays: without --data it has no results");
+      continue;
     }
     parts[std::string(one->name)] = pagePart(*one, result, seconds.count(), picture);
   }

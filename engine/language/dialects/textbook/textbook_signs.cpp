@@ -140,18 +140,25 @@ void markEqualsRules(std::string& text) {
   }
 }
 
-// `* axiom: F`, `- F -> FF` and `2. F -> FF`: lines of a list, when the axiom is one of them
+// `* axiom: F`, `- F -> FF` and `2. F -> FF`: lines of a list, when the axiom is one of them or all productions are,
+// two or more or below their heading
 void blankBullets(std::string& text) {
   std::vector<TextPiece> bullets;
   bool hasAxiom = false;
+  bool isBelowHeading = false;
+  std::size_t productions = 0;  // with a bullet
+  std::size_t others = 0;
   for (const TextPiece& line : linesOf(text)) {
     const TextPiece code = line.trimmed();
+    const auto heading = arrowOf(code.text) ? std::nullopt : settingOf(code);
+    isBelowHeading = isBelowHeading || (heading && heading->setting == Setting::Productions && heading->value.empty());
     std::size_t end = std::min(code.text.find_first_not_of("0123456789"), code.text.size());
     const bool isNumber = end > 0 && code.from(end).text.starts_with('.');
     end = isNumber ? end + 1 : code.text.starts_with("•") ? std::string_view("•").size() : 1;
     const bool isBullet =
         isNumber || code.text.starts_with("•") || code.text.starts_with('*') || code.text.starts_with('-');
     if (!isBullet || !code.from(end).text.starts_with(' ')) {
+      others += arrowOf(code.text) ? 1 : 0;
       continue;
     }
     const TextPiece rest = code.from(end).trimmed();
@@ -159,12 +166,14 @@ void blankBullets(std::string& text) {
     const auto setting = arrow ? std::nullopt : settingOf(rest);
     const bool isProduction = arrow && arrow->first > 0 && rest.text.front() != '<';
     hasAxiom = hasAxiom || (setting && setting->setting == Setting::Axiom);
+    productions += isProduction ? 1 : 0;
+    others += arrow && !isProduction ? 1 : 0;
     if (isProduction || setting) {
       bullets.push_back(code.to(end));
     }
   }
   for (const TextPiece& bullet : bullets) {
-    if (hasAxiom) {
+    if (hasAxiom || (others == 0 && (productions > 1 || isBelowHeading))) {
       blankOut(text, bullet.offset, bullet.offset + bullet.text.size());
     }
   }
@@ -173,7 +182,7 @@ void blankBullets(std::string& text) {
 // whether a quotation mark may open a string behind `before`, and close one in front of `behind`
 bool opensString(std::string_view before) {
   const std::size_t last = before.find_last_not_of(" \t");
-  return last == std::string_view::npos || std::string_view(":=>({,").find(before[last]) != std::string_view::npos ||
+  return last == std::string_view::npos || std::string_view(":=>({,;").find(before[last]) != std::string_view::npos ||
          before.substr(0, last + 1).ends_with("→");
 }
 
@@ -190,9 +199,12 @@ bool closesString(std::string_view behind) {
 // `"F" -> "F+F"`, `'X': 'F[+X]'`; a `"` or `'` among modules stays
 void blankQuotes(std::string& text) {
   for (const TextPiece& line : linesOf(text)) {
-    // an apostrophe is a symbol in print: it quotes where it quotes the predecessor, too
+    // an apostrophe is a symbol in print: it quotes where it quotes a predecessor or an axiom, too
+    const std::string_view front = line.text.substr(0, line.text.find('\''));
+    const std::size_t last = front.find_last_not_of(" \t");
     const std::string_view marks =
-        line.text.substr(0, line.text.find('\'')).find_first_not_of(" \t{(,") == std::string_view::npos ? "\"'" : "\"";
+        last == std::string_view::npos || std::string_view("{(,:;=").find(front[last]) != std::string_view::npos ? "\"'"
+                                                                                                                 : "\"";
     for (std::size_t open = line.text.find_first_of(marks); open != std::string_view::npos;) {
       core::pollWork();
       const std::size_t close = line.text.find(line.text[open], open + 1);
@@ -207,8 +219,8 @@ void blankQuotes(std::string& text) {
   }
 }
 
-// small words between blanks, two or more: no modules
-bool isRemarkOfWords(std::string_view inside) {
+// so many small words between blanks: no modules. A letter that is repeated is no word
+bool isRemarkOfWords(std::string_view inside, std::size_t words) {
   std::size_t count = 0;
   for (std::size_t at = 0; at < inside.size();) {
     const std::size_t end = std::min(inside.find(' ', at), inside.size());
@@ -218,10 +230,10 @@ bool isRemarkOfWords(std::string_view inside) {
     if (!isWord) {
       return false;
     }
-    count += word.size() > 2 ? 1 : 0;
+    count += word.size() > 2 && word.find_first_not_of(word.front()) != std::string_view::npos ? 1 : 0;
     at = end + 1;
   }
-  return count > 1;
+  return count >= words;
 }
 
 // `start : A {starting character string}`, `1 -> (eliminated at each iteration)`
@@ -234,7 +246,8 @@ void blankRemarksOfWords(std::string& text) {
     const std::size_t close = length == std::string_view::npos ? std::string::npos : open + length;
     const bool isBehindBlank = open > 0 && (text[open - 1] == ' ' || text[open - 1] == '\t');
     if (close != std::string::npos && isBehindBlank &&
-        isRemarkOfWords(std::string_view(text).substr(open + 1, close - open - 1))) {
+        // `{leaf bud}` may be a polygon
+        isRemarkOfWords(std::string_view(text).substr(open + 1, close - open - 1), text[open] == '{' ? 3 : 2)) {
       blankOut(text, open, close + 1);
     }
   }

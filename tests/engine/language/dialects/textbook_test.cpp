@@ -178,6 +178,15 @@ TEST(Textbook, WikipediasRulesAreOneList) {
   EXPECT_TRUE(contains(text, "Axiom: X\nX --> F+[[X]-X]-X\nF --> FF\nendlsystem\n")) << text;
 }
 
+TEST(Textbook, ListsAndQuotationMarksAreReadWhereverTheyStand) {
+  EXPECT_TRUE(contains(cpfgText("Axiom: F\nRules:\n- F -> F-F\nAngle: 60\n"), "Axiom: F\nF --> F-F\n"));
+  EXPECT_TRUE(contains(cpfgText("Axiom: A\n\n* A -> AB\n* B -> A\n"), "A --> AB\nB --> A\n"));
+  EXPECT_TRUE(contains(cpfgText("{axiom: F; 'F' -> 'F+F'; angle: 60}\n"), "F --> F+F\n"));
+  EXPECT_TRUE(contains(cpfgText("Axiom: 'F'\nRules: ('F' -> 'F+F-F'), ('X' -> 'FF')\n"), "Axiom: F\nF --> F+F-F\n"));
+  // a polygon is no remark
+  EXPECT_TRUE(contains(cpfgText("axiom: F\nF -> F {fff ggg fff} F\n"), "{fffgggfff}"));
+}
+
 TEST(Textbook, ConstantsStandBesideProductions) {
   EXPECT_TRUE(
       contains(cpfgText("ω: A(1)\nR = 0.7\nA(s) → F(s)[+A(s*R)][-A(s×R)]\n"), "A(s) --> F(s)[+A(s*0.7)][-A(s*0.7)]\n"));
