@@ -281,41 +281,6 @@ TEST(LanguageServer, AMessageThatIsNestedDeeplyGetsAnError) {
   EXPECT_EQ(placesOf(editor.at("definition", 7, 16)), (std::vector<std::string>{"0:8"}));
 }
 
-TEST(LanguageServer, ALineOfMegabytesTakesNoLongerThanManyLines) {
-  // these took minutes: each place was counted from the beginning of its line
-  constexpr int kCount = 100'000;
-  std::string modules;
-  std::string quotes;
-  for (int i = 0; i < kCount; ++i) {
-    modules += "A(1)";
-    quotes += "\"\\";
-  }
-  Editor editor;
-  editor.open("file:///tree.l",
-              "Lsystem: 1\nderivation length: 1\nAxiom: " + modules + "\nA(x) --> A(x)\nendlsystem\n" + quotes + "\n");
-  ASSERT_TRUE(editor.diagnostics().empty()) << editor.diagnostics();
-  const Json document{{"textDocument", {{"uri", "file:///tree.l"}}}};
-  EXPECT_GT(editor.ask("textDocument/semanticTokens/full", document)["data"].size(), 5U * 2 * kCount);
-  EXPECT_EQ(editor.at("references", 3, 0).size(), kCount + 2U);
-  EXPECT_EQ(editor.at("documentHighlight", 3, 0).size(), kCount + 2U);
-  EXPECT_EQ(editor.at("references", 2, 7 + 4 * (kCount - 1)).back()["range"]["start"]["line"], 3);
-}
-
-TEST(LanguageServer, ALongerNameInManyPlacesIsPutInAtOnce) {
-  // this took minutes: the rest of the text was moved for each place
-  constexpr int kCount = 100'000;
-  std::string sum = "n";
-  for (int i = 0; i < kCount; ++i) {
-    sum += i % 100 == 99 ? ";\nn = n" : " + n";
-  }
-  Editor editor;
-  editor.open("file:///tree.l", "Lsystem: 1\nderivation length: 1\nStart: { n = 1; }\nAxiom: A\nEndEach: { n = " + sum +
-                                    "; }\nA --> A\nendlsystem\n");
-  ASSERT_TRUE(editor.diagnostics().empty()) << editor.diagnostics();
-  const Json edits = editor.at("rename", 2, 9, {{"newName", "number"}});
-  EXPECT_EQ(edits["changes"]["file:///tree.l"].size(), kCount + kCount / 100 + 3U) << edits.dump().substr(0, 200);
-}
-
 /// Work that is to stop after so many looks.
 class BoundedWork final : public core::WorkMeter {
  public:
