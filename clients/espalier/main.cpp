@@ -115,10 +115,16 @@ int main(int argumentCount, char** arguments) {
   const std::string_view word = argumentCount > 1 ? arguments[1] : "help";
   const bool isHelp = word == "help";
 
+  const auto isCommand = [](std::string_view name) {
+    return std::any_of(kCommands.begin(), kCommands.end(),
+                       [&](const Command& command) { return command.name == name; });
+  };
+
   // name a mistyped command before its options are read
-  if (named == kCommands.end() && !isHelp && !word.starts_with('-')) {
+  const std::string_view asked = isHelp && argumentCount > 2 ? arguments[2] : word;
+  if (!isCommand(asked) && asked != "help" && !asked.starts_with('-')) {
     std::error_code error;
-    if (std::filesystem::exists(arguments[1], error)) {
+    if (!isHelp && std::filesystem::exists(arguments[1], error)) {
       printError("'" + std::string(word) + "' is a file or folder, and a command stands before it: espalier run " +
                  std::string(word) + " -o plant.png");
       return kUsage;
@@ -126,8 +132,8 @@ int main(int argumentCount, char** arguments) {
     std::vector<std::string_view> names;
     std::transform(kCommands.begin(), kCommands.end(), std::back_inserter(names),
                    [](const Command& command) { return command.name; });
-    printError(std::string("there is no command '") + arguments[1] + "'. " +
-               espalier::core::suggestName(arguments[1], names));
+    printError("there is no command '" + std::string(asked) + "'. " +
+               espalier::core::suggestName(std::string(asked), names));
     return kUsage;
   }
 
@@ -140,11 +146,7 @@ int main(int argumentCount, char** arguments) {
 
   try {
     if (isHelp) {
-      const auto asked = std::find_if(kCommands.begin(), kCommands.end(), [&](const Command& command) {
-        return argumentCount > 2 && command.name == arguments[2];
-      });
-      const CLI::App* const shown =
-          asked == kCommands.end() ? &program : program.get_subcommand(std::string(asked->name));
+      const CLI::App* const shown = isCommand(asked) ? program.get_subcommand(std::string(asked)) : &program;
       const std::string text = shown->help();
       std::fwrite(text.data(), 1, text.size(), argumentCount > 1 ? stdout : stderr);
       return argumentCount > 1 ? kSuccess : kUsage;

@@ -99,6 +99,9 @@ class FirstHour(unittest.TestCase):
         done = espalier("run", str(GALLERY / "chapter-lsystem-viewer"), "-o", str(self.folder / "a.png"), status=1)
         self.assertIn("give the name of one of its other files: branch.lsv, circle.lsv,", done.stderr)
 
+    def test_help_of_an_unknown_command_names_the_nearest(self) -> None:
+        self.assertIn("there is no command 'derve'. Did you mean 'derive'?", espalier("help", "derve", status=2).stderr)
+
     # ---- limits and numbers
 
     def test_a_limit_has_one_name(self) -> None:
