@@ -11,17 +11,10 @@ namespace espalier::test {
 namespace {
 
 constexpr const char* kAlgae = "Lsystem: 1\nderivation length: 3\nAxiom: A\nA --> AB\nB --> A\nendlsystem\n";
-constexpr const char* kHeight =
-    "Lsystem: 1\nderivation length: 3\nAxiom: A?E(0)\n"
-    "A > ?E(h) : h < 2 --> FA\nA > ?E(h) : h >= 2 --> *\nendlsystem\n";
 constexpr const char* kPrinting =
     "Lsystem: 1\nderivation length: 2\nEndEach: {printf(\"step %g\\n\",Q);}\nAxiom: A\nA --> AA\nendlsystem\n";
 constexpr const char* kStochastic =
     "Lsystem: 1\nderivation length: 8\nAxiom: A\nA --> AA : 1\nA --> AB : 1\nendlsystem\n";
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 class Cli : public testing::Test {
  protected:

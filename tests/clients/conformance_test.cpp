@@ -12,10 +12,6 @@
 namespace espalier::test {
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class ConformanceCommand : public testing::Test {
  protected:
   /// A suite of one case: two steps of A --> AB.

@@ -9,13 +9,6 @@ namespace {
 
 constexpr const char* kTree =
     "Lsystem: 1\nderivation length: 3\nAxiom: A(1)\nA(l):l<3-->F(l)A(l*2)\nA(l)-->B\nendlsystem\n";
-constexpr const char* kHeight =
-    "Lsystem: 1\nderivation length: 3\nAxiom: A?E(0)\n"
-    "A > ?E(h) : h < 2 --> FA\nA > ?E(h) : h >= 2 --> *\nendlsystem\n";
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 class LanguageTools : public testing::Test {
  protected:

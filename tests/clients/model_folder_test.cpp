@@ -10,14 +10,7 @@ namespace espalier::test {
 namespace {
 
 constexpr const char* kModel = "Lsystem: 1\nderivation length: 3\nAxiom: A\nA --> FA\nendlsystem\n";
-constexpr const char* kHeight =
-    "Lsystem: 1\nderivation length: 3\nAxiom: A?E(0)\n"
-    "A > ?E(h) : h < 2 --> FA\nA > ?E(h) : h >= 2 --> *\nendlsystem\n";
 constexpr const char* kField = "executable: height -e field\nturtle position: P: %g %g %g\n";
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 // 256 times the same colour, except entry 0
 std::string colourMap(const std::string& background, const std::string& colour) {

@@ -25,10 +25,6 @@ constexpr const char* kTree =
 constexpr const char* kBush =
     "Lsystem: 1\nderivation length: 3\nAxiom: F\nF --> F[+F]F : 1\nF --> F[-F]F : 1\nendlsystem\n";
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class Output : public testing::Test {
  protected:
   void SetUp() override {

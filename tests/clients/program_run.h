@@ -4,6 +4,15 @@
 
 namespace espalier::test {
 
+/// Grows by one F a step until its query answers 2.
+inline constexpr const char* kHeight =
+    "Lsystem: 1\nderivation length: 3\nAxiom: A?E(0)\n"
+    "A > ?E(h) : h < 2 --> FA\nA > ?E(h) : h >= 2 --> *\nendlsystem\n";
+
+[[nodiscard]] inline bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
 /// What a run of the program left.
 struct ProgramRun {
   int status = -1;     // exit status; -1: it did not end by itself

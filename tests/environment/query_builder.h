@@ -86,6 +86,15 @@ inline std::vector<double> firstValues(const ReplyTable& table) {
   return values;
 }
 
+/// The values of one answer; 999 where it has none.
+[[nodiscard]] inline std::vector<double> valuesOf(const std::vector<std::optional<double>>& row) {
+  std::vector<double> values;
+  for (const auto& value : row) {
+    values.push_back(value.value_or(999.0));
+  }
+  return values;
+}
+
 /// The messages and hints of a failed call as one text.
 template <typename Result>
 std::string errorsOf(const Result& result) {

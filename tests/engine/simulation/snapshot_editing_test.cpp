@@ -6,13 +6,13 @@
 namespace espalier::simulation {
 namespace {
 
-constexpr const char* kTree =
+constexpr const char* kEditedTree =
     "Lsystem: 1\nderivation length: 9\nStart: {size = 1; rate = 2;}\n"
     "Axiom: F(1)[+(30)F(2)A]F(3)A\nA : {size = size + rate;} * --> F(size)A\nendlsystem\n";
 
 /// The string after the edit, or the message of its error.
 std::string edited(const StringEdit& edit) {
-  const auto program = compileText(kTree);
+  const auto program = compileText(kEditedTree);
   Simulation simulation(program, {{}}, nullptr, {});
   expectSuccess(simulation.rewind());
   const EditedSnapshot outcome = editString(snapshotOf(simulation), edit);
@@ -69,7 +69,7 @@ TEST(SnapshotEditing, CallsOfSubLSystemsAreNotPutIn) {
 }
 
 TEST(SnapshotEditing, VariablesHaveTheirNewValuesInTheNextStep) {
-  const auto program = compileText(kTree);
+  const auto program = compileText(kEditedTree);
   Simulation simulation(program, {{}}, nullptr, {});
   expectSuccess(simulation.rewind());
   const EditedSnapshot changed = setVariables(snapshotOf(simulation), {program}, {{"rate", 10.0}});

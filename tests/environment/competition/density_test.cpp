@@ -9,14 +9,6 @@
 namespace espalier::environment {
 namespace {
 
-std::vector<double> valuesOf(const std::vector<std::optional<double>>& row) {
-  std::vector<double> values;
-  for (const auto& value : row) {
-    values.push_back(value.value_or(999.0));
-  }
-  return values;
-}
-
 TEST(Density, AnotherTipActsByTheSquareOfItsDistanceASourceByItsDistance) {
   // a tip at distance 2: 1/(1 + 4) = 0.2; a sink of -3 at distance 5 (3, 4): -3/(1 + 5) = -0.5
   const auto process = openProcess("density", R"({"onePointValue":true})");

@@ -10,6 +10,7 @@
 #include "environment/hydraulics/rhizosphere.h"
 #include "environment/soil/flux_potential.h"
 #include "tests/environment/hydraulics/root_drawing.h"
+#include "tests/environment/soil/soils.h"
 
 namespace espalier::environment {
 namespace {
@@ -18,8 +19,6 @@ const std::vector<double> kTen(10, 0.0);
 constexpr std::size_t kHead = 3, kExchange = 4, kCollarHead = 5, kCollarFlow = 6, kConductance = 7, kFraction = 8,
                       kSurfaceHead = 9;
 
-/// The loam of the published root benchmarks, cm and day.
-const SoilLayer kLoam{0.08, 0.43, 0.04, 1.6, 50.0, 1e-6};
 const std::string kLoamLayers = R"("layers":[[1000,0.08,0.43,0.04,1.6,50]])";
 
 TEST(Xylem, ASingleRootIsThatOfLandsbergAndFowkes) {

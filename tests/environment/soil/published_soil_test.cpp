@@ -9,14 +9,6 @@
 namespace espalier::environment {
 namespace {
 
-std::vector<double> valuesOf(const std::vector<std::optional<double>>& row) {
-  std::vector<double> values;
-  for (const auto& value : row) {
-    values.push_back(value.value_or(999.0));
-  }
-  return values;
-}
-
 void expectNear(const std::vector<double>& found, const std::vector<double>& expected) {
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i) {

@@ -4,12 +4,13 @@
 
 #include <cmath>
 
+#include "tests/environment/soil/soils.h"
+
 namespace espalier::environment {
 namespace {
 
 /// The soil of Celia, Bouloutas & Zarba (1990), section 4: cm and, per day, cm/s × 86400.
 const SoilLayer kCelia{0.102, 0.368, 0.0335, 2, 0.00922 * 86400, 1e-9};
-const SoilLayer kLoam{0.078, 0.43, 0.036, 1.56, 24.96, 1e-7};
 
 void setHeads(RichardsSolver& solver, const std::vector<double>& heads) {
   for (std::size_t cell = 0; cell < heads.size(); ++cell) {
@@ -35,7 +36,7 @@ void pass(RichardsSolver& solver, double days, const SoilBorders& borders, doubl
 
 TEST(Richards, HydrostaticEquilibriumStays) {
   // h + z the same everywhere: no flow, whatever the soils, above and below the water table
-  RichardsSolver solver({{1, 1}, 40, {1, 1}, std::vector<double>(40, 5)}, {kLoam, kCelia}, [] {
+  RichardsSolver solver({{1, 1}, 40, {1, 1}, std::vector<double>(40, 5)}, {kMeanLoam, kCelia}, [] {
     std::vector<int> soilOf(40, 0);
     std::fill(soilOf.begin() + 20, soilOf.end(), 1);
     return soilOf;
@@ -54,7 +55,7 @@ TEST(Richards, HydrostaticEquilibriumStays) {
 
 TEST(Richards, AClosedColumnComesToEquilibriumWithItsWater) {
   // whatever the start, h + z becomes constant, and no water is lost
-  auto solver = column(20, 5, kLoam, -40);
+  auto solver = column(20, 5, kMeanLoam, -40);
   const double water = solver.storedWater();
   pass(solver, 3000, {.bottom = SoilBorders::Bottom::Closed}, 1e-7);
   const auto& heads = solver.state().heads;
@@ -129,7 +130,7 @@ TEST(Richards, CeliasInfiltrationAgreesWithAnExplicitSolution) {
 }
 
 TEST(Richards, TheBalanceIsExactToTheToleranceWhateverTheWeather) {
-  RichardsSolver solver({{3, 2}, 12, {10, 10}, std::vector<double>(12, 5)}, {kLoam, kCelia}, [] {
+  RichardsSolver solver({{3, 2}, 12, {10, 10}, std::vector<double>(12, 5)}, {kMeanLoam, kCelia}, [] {
     std::vector<int> soilOf(72, 0);
     for (std::size_t cell = 0; cell < 72; ++cell) {
       soilOf[cell] = cell % 7 == 3 ? -1 : cell > 36 ? 1 : 0;
@@ -170,20 +171,20 @@ TEST(Richards, InfiltrationUnderPondingIsAboutGreenAndAmpts) {
 }
 
 TEST(Richards, RainThatCannotGetInRunsOff) {
-  auto solver = column(20, 5, kLoam, -30);
+  auto solver = column(20, 5, kMeanLoam, -30);
   pass(solver, 0.5, {.rain = 200}, 1e-6);
   const auto& balance = solver.state().balance;
   EXPECT_NEAR(balance.infiltrated + balance.runOff, 100, 1e-9);
   // in the end by gravity through saturated soil: the conductivity
   EXPECT_GT(balance.runOff, 60);
-  auto dry = column(20, 5, kLoam, -30);
+  auto dry = column(20, 5, kMeanLoam, -30);
   pass(dry, 1, {.rain = 1}, 1e-6);
   EXPECT_NEAR(dry.state().balance.infiltrated, 1, 1e-9);
   EXPECT_NEAR(dry.state().balance.runOff, 0, 1e-9);
 }
 
 TEST(Richards, EvaporationIsWhatASurfaceAsDryAsItCanBeGives) {
-  auto solver = column(100, 1, kLoam, -100);
+  auto solver = column(100, 1, kMeanLoam, -100);
   pass(solver, 0.5, {.evaporation = 0.3, .driestHead = -15000, .bottom = SoilBorders::Bottom::Closed}, 1e-6);
   EXPECT_NEAR(solver.state().balance.infiltrated, -0.15, 1e-9);
   const double early = solver.state().balance.infiltrated;
@@ -195,9 +196,9 @@ TEST(Richards, EvaporationIsWhatASurfaceAsDryAsItCanBeGives) {
 
 TEST(Richards, SeveralColumnsAloneAreEachAsOneColumn) {
   // nothing flows sideways when all columns are alike
-  RichardsSolver box({{3, 4}, 10, {7, 9}, std::vector<double>(10, 5)}, {kLoam}, std::vector<int>(120, 0));
+  RichardsSolver box({{3, 4}, 10, {7, 9}, std::vector<double>(10, 5)}, {kMeanLoam}, std::vector<int>(120, 0));
   setHeads(box, std::vector<double>(120, -100));
-  auto one = column(10, 5, kLoam, -100);
+  auto one = column(10, 5, kMeanLoam, -100);
   pass(box, 3, {.rain = 2}, 1e-10);
   pass(one, 3, {.rain = 2}, 1e-10);
   for (std::size_t cell = 0; cell < 120; ++cell) {
@@ -207,7 +208,7 @@ TEST(Richards, SeveralColumnsAloneAreEachAsOneColumn) {
 
 TEST(Richards, WaterSpreadsAlikeToAllSidesWithoutGravityAcross) {
   // a wet cell in the middle of a layer: the four neighbours get the same
-  RichardsSolver box({{5, 5}, 1, {5, 5}, {5}}, {kLoam}, std::vector<int>(25, 0));
+  RichardsSolver box({{5, 5}, 1, {5, 5}, {5}}, {kMeanLoam}, std::vector<int>(25, 0));
   setHeads(box, std::vector<double>(25, -200));
   box.setHead(12, -10);
   pass(box, 1, {.bottom = SoilBorders::Bottom::Closed}, 1e-7);

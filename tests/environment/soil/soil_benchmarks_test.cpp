@@ -7,14 +7,10 @@
 
 #include "environment/soil/richards.h"
 #include "environment/soil/solutes.h"
+#include "tests/environment/soil/soils.h"
 
 namespace espalier::environment {
 namespace {
-
-// the soils of Vanderborght et al. (2005): cm and day
-const SoilLayer kSand{0.045, 0.43, 0.15, 3.0, 1000.0, 1e-6};
-const SoilLayer kLoam{0.08, 0.43, 0.04, 1.6, 50.0, 1e-6};
-const SoilLayer kClay{0.1, 0.4, 0.01, 1.1, 10.0, 1e-6};
 
 RichardsSolver columnOf(const SoilLayer& soil, std::vector<double> heights, double head) {
   const std::size_t layers = heights.size();

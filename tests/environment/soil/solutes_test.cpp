@@ -4,14 +4,15 @@
 
 #include <cmath>
 
+#include "tests/environment/soil/soils.h"
+
 namespace espalier::environment {
 namespace {
 
-const SoilLayer kLoam{0.078, 0.43, 0.036, 1.56, 24.96, 1e-7};
-
 /// A column of cells of 1 cm, saturated, through which water flows down by gravity at the saturated conductivity.
 RichardsSolver steadyColumn(std::size_t layers) {
-  RichardsSolver solver({{1, 1}, layers, {1, 1}, std::vector<double>(layers, 1)}, {kLoam}, std::vector<int>(layers, 0));
+  RichardsSolver solver({{1, 1}, layers, {1, 1}, std::vector<double>(layers, 1)}, {kMeanLoam},
+                        std::vector<int>(layers, 0));
   for (std::size_t cell = 0; cell < layers; ++cell) {
     solver.setHead(cell, 0);
   }
@@ -66,7 +67,7 @@ TEST(Solutes, AFrontMovesAsLindstromSays) {
 }
 
 TEST(Solutes, AnEvenConcentrationStaysEvenWhileWaterMoves) {
-  RichardsSolver water({{2, 2}, 10, {5, 5}, std::vector<double>(10, 5)}, {kLoam}, std::vector<int>(40, 0));
+  RichardsSolver water({{2, 2}, 10, {5, 5}, std::vector<double>(10, 5)}, {kMeanLoam}, std::vector<int>(40, 0));
   for (std::size_t cell = 0; cell < 40; ++cell) {
     water.setHead(cell, -20.0 - 13.0 * static_cast<double>(cell % 7));
   }
@@ -79,7 +80,7 @@ TEST(Solutes, AnEvenConcentrationStaysEvenWhileWaterMoves) {
 }
 
 TEST(Solutes, DecayAndEvaporationKeepTheBooks) {
-  RichardsSolver water({{1, 1}, 10, {5, 5}, std::vector<double>(10, 5)}, {kLoam}, std::vector<int>(10, 0));
+  RichardsSolver water({{1, 1}, 10, {5, 5}, std::vector<double>(10, 5)}, {kMeanLoam}, std::vector<int>(10, 0));
   for (std::size_t cell = 0; cell < 10; ++cell) {
     water.setHead(cell, -50);
   }
@@ -97,7 +98,7 @@ TEST(Solutes, DecayAndEvaporationKeepTheBooks) {
 TEST(Solutes, ABufferedSoilTakesAcidByItsCapacity) {
   // amounts per cm³; c₀ = 10⁻⁶·⁵ mol/L. With β much more than the water holds, a volume that gets A has a pH lower by
   // A/β
-  RichardsSolver water({{1, 1}, 1, {1, 1}, {1}}, {kLoam}, {0});
+  RichardsSolver water({{1, 1}, 1, {1, 1}, {1}}, {kMeanLoam}, {0});
   water.setHead(0, -50);
   const double start = std::pow(10, -6.5) * 1e-3;
   SoluteTransport solutes({{.initialConcentration = start, .bufferCapacity = 2e-5}}, water);

@@ -1,17 +1,13 @@
 #include <gtest/gtest.h>
 
 #include "protocol/codec.h"
+#include "tests/protocol/decoding/problem.h"
 
 namespace espalier::protocol {
 namespace {
 
-Payload params(const std::string& json) {
-  return decodeMessage(R"({"jsonrpc":"2.0","id":1,"method":"m","params":)" + json + "}").value().payload;
-}
-
-template <typename T>
-std::string problem(const Expected<T>& decoded) {
-  return decoded ? "(accepted)" : decoded.error().message;
+Payload params(const std::string& text) {
+  return decodeMessage(R"({"jsonrpc":"2.0","id":1,"method":"m","params":)" + text + "}").value().payload;
 }
 
 TEST(DecodeControl, NamesThePathOfWhatIsWrong) {

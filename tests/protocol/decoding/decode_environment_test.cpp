@@ -5,6 +5,7 @@
 
 #include "protocol/codec.h"
 #include "protocol/framing.h"
+#include "tests/protocol/decoding/problem.h"
 
 namespace espalier::protocol {
 namespace {
@@ -12,11 +13,6 @@ namespace {
 Payload payload(const std::string& member, const std::string& json) {
   const std::string method = member == "params" ? R"("method":"m",)" : "";
   return decodeMessage(R"({"jsonrpc":"2.0","id":1,)" + method + "\"" + member + "\":" + json + "}").value().payload;
-}
-
-template <typename T>
-std::string problem(const Expected<T>& decoded) {
-  return decoded ? "(accepted)" : decoded.error().message;
 }
 
 /// Two queries, one with everything and one with little.

@@ -15,10 +15,10 @@
 namespace espalier::turtle {
 namespace {
 
-constexpr const char* kPlant =
+constexpr const char* kExportedPlant =
     "!(0.4)F(2)[+(40)!(0.2)F(1)@O(0.5)]-(20)!(0.3)F(1)&(30)F(1){.+(30)f.+(60)f.+(60)f.}@c(0.6)@o(0.3){(1)f+(20)f}(1)~p";
 
-files::ViewSettings plantView() {
+files::ViewSettings exportedView() {
   files::ViewSettings view;
   view.lineStyle = files::LineStyle::Cylinder;
   files::Surface surface;
@@ -127,7 +127,7 @@ TEST(Exporters, ASuffixIsReplacedOrAdded) {
 }
 
 TEST(Svg, EveryOrganIsPainted) {
-  TurtleRun run(kPlant, plantView());
+  TurtleRun run(kExportedPlant, exportedView());
   run.draw();
   const std::string svg = svgOf(run.scene, run.program.view);
   EXPECT_TRUE(svg.starts_with("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg "));
@@ -214,7 +214,7 @@ TEST(Svg, LabelsAreEscaped) {
 }
 
 TEST(Svg, IsDeterministic) {
-  TurtleRun run(kPlant, plantView());
+  TurtleRun run(kExportedPlant, exportedView());
   run.draw();
   EXPECT_EQ(svgOf(run.scene, run.program.view), svgOf(run.scene, run.program.view));
 }
@@ -246,7 +246,7 @@ TEST(Projection, LookingDownHasMinusZUp) {
 }
 
 TEST(Obj, IndicesAreValidNormalsUnitAndOrgansNamed) {
-  TurtleRun run(kPlant, plantView());
+  TurtleRun run(kExportedPlant, exportedView());
   run.draw();
   WrittenObj written;
   writeObj(run.scene, run.program.view, "plant.obj", written);

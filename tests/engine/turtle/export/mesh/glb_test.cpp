@@ -14,11 +14,11 @@ namespace {
 using core::Vec3;
 using nlohmann::json;
 
-constexpr const char* kPlant =
+constexpr const char* kGlbPlant =
     "!(0.4)F(2)[+(40)!(0.2)F(1)@O(0.5)];(3)-(20)!(0.3)F(1)&(30)/(20)F(1){.+(30)f.+(60)f.+(60)f.}@c(0.6){(1)f+(20)f}(1)"
     "~p+(30)~p(2)/(50)@D(0.5)~p(1,2,3)";
 
-files::ViewSettings plantView() {
+files::ViewSettings glbView() {
   files::ViewSettings view;
   view.lineStyle = files::LineStyle::Cylinder;
   files::Surface surface;
@@ -147,7 +147,7 @@ Mesh expectedMesh(const Scene& scene, const files::ViewSettings& view) {
 }
 
 TEST(Glb, AnotherReaderSeesTheSceneWhereTheTurtleDrewIt) {
-  TurtleRun run(kPlant, plantView());
+  TurtleRun run(kGlbPlant, glbView());
   run.draw({.position = {3, 1, -2}, .frame = {}});
   const Mesh read = GlbContent(glbOf(run.scene, run.program.view)).world();
   const Mesh expected = expectedMesh(run.scene, run.program.view);
@@ -176,7 +176,7 @@ TEST(Glb, AnotherReaderSeesTheSceneWhereTheTurtleDrewIt) {
 }
 
 TEST(Glb, BoundsOfPositionsAreExact) {
-  TurtleRun run(kPlant, plantView());
+  TurtleRun run(kGlbPlant, glbView());
   run.draw();
   const GlbContent content(glbOf(run.scene, run.program.view));
   for (const json& mesh : content.text["meshes"]) {
@@ -199,7 +199,7 @@ TEST(Glb, BoundsOfPositionsAreExact) {
 }
 
 TEST(Glb, APlantHasOneNodeForEachKindOfOrgans) {
-  TurtleRun run("F[+F]~p f~p f(2)@O(1);(9)~p @O(2)", plantView());
+  TurtleRun run("F[+F]~p f~p f(2)@O(1);(9)~p @O(2)", glbView());
   run.draw();
   const GlbContent content(glbOf(run.scene, run.program.view));
   std::vector<std::string> names;
@@ -218,7 +218,7 @@ TEST(Glb, APlantHasOneNodeForEachKindOfOrgans) {
 }
 
 TEST(Glb, WithInstancingEqualOrgansOfAPlantAreOneNode) {
-  TurtleRun run("~p f~p f(2)@O(1);(9)~p @O(2)", plantView());
+  TurtleRun run("~p f~p f(2)@O(1);(9)~p @O(2)", glbView());
   run.draw();
   const std::string bytes = glbOf(run.scene, run.program.view, nullptr, true);
   const GlbContent content(bytes);
@@ -238,7 +238,7 @@ TEST(Glb, WithInstancingEqualOrgansOfAPlantAreOneNode) {
 
 TEST(Glb, HasNoTrianglesWithoutArea) {
   // a patch whose first row of points is one point, as at the tip of a leaf
-  files::ViewSettings view = plantView();
+  files::ViewSettings view = glbView();
   for (std::size_t i = 0; i < 4; ++i) {
     view.surfaces[0].patches[0].points[i] = view.surfaces[0].patches[0].points[0];
   }
@@ -262,7 +262,7 @@ TEST(Glb, HasNoTrianglesWithoutArea) {
 }
 
 TEST(Glb, OrgansOfAFrameThatIsNoRotationArePartOfTheMesh) {
-  TurtleRun run("~p", plantView());
+  TurtleRun run("~p", glbView());
   run.draw();
   run.scene.surfaces[0].frame.heading = {0.5, 1.0, 0.0};
   const GlbContent content(glbOf(run.scene, run.program.view));
@@ -318,7 +318,7 @@ TEST(Glb, AnEmptySceneIsAValidFile) {
 }
 
 TEST(Glb, IsDeterministic) {
-  TurtleRun run(kPlant, plantView());
+  TurtleRun run(kGlbPlant, glbView());
   run.draw();
   EXPECT_EQ(glbOf(run.scene, run.program.view), glbOf(run.scene, run.program.view));
 }

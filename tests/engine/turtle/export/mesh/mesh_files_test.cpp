@@ -20,11 +20,11 @@ namespace {
 
 using core::Vec3;
 
-constexpr const char* kPlant =
+constexpr const char* kMeshPlant =
     "!(0.4)F(2)[+(40)!(0.2)F(1)@O(0.5)];(3)-(20)!(0.3)F(1)&(30)/(20)F(1)[{.+(30)f.+(60)f.-(150)f.-(40)f(3).}]"
     "@c(0.6){(1)f+(20)f}(1)~p+(30)~p(2)/(50)@D(0.5)~p(1,-2,3)";
 
-files::ViewSettings plantView() {
+files::ViewSettings meshView() {
   files::ViewSettings view;
   view.lineStyle = files::LineStyle::Cylinder;
   files::Surface surface;
@@ -41,7 +41,7 @@ files::ViewSettings plantView() {
 
 class MeshFiles : public ::testing::Test {
  protected:
-  MeshFiles() : run(kPlant, plantView()) {
+  MeshFiles() : run(kMeshPlant, meshView()) {
     run.draw({.position = {1, 2, 3}, .frame = {}});
     const ExportInput input{.scene = run.scene, .view = run.program.view};
     MaterialTable materials;
