@@ -1,13 +1,13 @@
-// The gallery's models that need no environment or one that its `.e` file names: all steps, then the picture's scene.
+// The gallery's models with the environments that `espalier run` attaches: all steps, then the picture's scene.
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <filesystem>
 
-#include "environment/published/published_environment.h"
 #include "tests/benchmark/workload.h"
 #include "tests/support/disk_files.h"
+#include "tests/support/model_environment.h"
 #include "tests/support/places.h"
 
 namespace espalier::benchmarking {
@@ -15,26 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::unique_ptr<turtle::EnvironmentProcess> fieldEnvironment(const fs::path& model) {
-  fs::path file = model;
-  file.replace_extension(".e");
-  if (!fs::exists(file)) {
-    return nullptr;
-  }
-  test::DiskFiles files;
-  std::vector<core::Diagnostic> warnings;
-  auto made = environment::makeFromEnvironmentFile(file.string(), files, core::Compatibility::Espalier, warnings);
-  if (!made) {
-    throw std::runtime_error(made.error().front().message);
-  }
-  return std::move(*made);
-}
-
 void grow(benchmark::State& state, const fs::path& model) {
   fs::path view = model;
   view.replace_extension(".v");
   const auto program = compileFile(model.string(), fs::exists(view) ? view.string() : "", {});
-  simulation::Simulation simulation(program, {turtle::PlantPlacement{}}, fieldEnvironment(model), {});
+  test::DiskFiles files;
+  simulation::Simulation simulation(program, {turtle::PlantPlacement{}},
+                                    test::environmentBeside(model.string(), files), {});
   require(simulation.rewind());
   core::StringSink axiom;
   simulation.save(axiom);
