@@ -8,9 +8,8 @@
 #include <filesystem>
 
 #include "engine/derivation/state/string_text.h"
+#include "tests/benchmark/gallery_model.h"
 #include "tests/benchmark/workload.h"
-#include "tests/support/disk_files.h"
-#include "tests/support/model_environment.h"
 #include "tests/support/places.h"
 
 namespace espalier::benchmarking {
@@ -38,10 +37,8 @@ void runWhole(benchmark::State& state, const std::shared_ptr<const language::Pro
   Parts parts;
   double scannedModules = 0.0;
   double modules = 0.0;
-  test::DiskFiles files;
   for (auto _ : state) {
-    simulation::Simulation simulation(program, {turtle::PlantPlacement{}}, 
-                                      test::environmentBeside(model.string(), files), {});
+    simulation::Simulation simulation = simulationOf(program, model.string());
     require(simulation.rewind());
     while (!simulation.isFinished()) {
       scannedModules += static_cast<double>(simulation.string().size());
@@ -87,16 +84,7 @@ const bool kIsRegistered = [] {
     }
     add(workload.name(), sourceFolder() + "/tests/benchmark/models/" + workload.model + ".l", defines);
   }
-  std::vector<fs::path> models;
-  std::error_code error;
-  for (const auto& folder : fs::directory_iterator(sourceFolder() + "/clients/gallery", error)) {
-    const fs::path model = folder.path() / (folder.path().filename().string() + ".l");
-    if (fs::exists(model)) {
-      models.push_back(model);
-    }
-  }
-  std::sort(models.begin(), models.end());
-  for (const fs::path& model : models) {
+  for (const fs::path model : galleryModels()) {
     add(model.stem().string(), model, {});
   }
   return true;

@@ -8,8 +8,8 @@
 
 namespace espalier::test {
 
-/// Name of the environment file that `espalier run MODEL.l` uses: the `.e` file beside the model, else the `.json` file;
-/// empty when there is neither.
+/// Name of the environment file that `espalier run MODEL.l` uses: the `.e` file beside the model, else the `.json`
+/// file; empty when there is neither.
 std::string environmentFileBeside(const std::string& model, core::FileProvider& files);
 
 /// The environment that `espalier run MODEL.l` attaches, made of built-in processes; null for a model without one.
