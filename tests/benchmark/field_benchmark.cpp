@@ -8,9 +8,8 @@
 #include <filesystem>
 
 #include "engine/derivation/state/string_text.h"
-#include "environment/published/published_environment.h"
+#include "tests/benchmark/gallery_model.h"
 #include "tests/benchmark/workload.h"
-#include "tests/support/disk_files.h"
 #include "tests/support/places.h"
 
 namespace espalier::benchmarking {
@@ -34,27 +33,12 @@ void timed(double& milliseconds, F work) {
   milliseconds += std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-std::unique_ptr<turtle::EnvironmentProcess> environmentBeside(const fs::path& model) {
-  fs::path file = model;
-  file.replace_extension(".e");
-  if (!fs::exists(file)) {
-    return nullptr;
-  }
-  test::DiskFiles files;
-  std::vector<core::Diagnostic> warnings;
-  auto made = environment::makeFromEnvironmentFile(file.string(), files, core::Compatibility::Espalier, warnings);
-  if (!made) {
-    throw std::runtime_error(made.error().front().message);
-  }
-  return std::move(*made);
-}
-
 void runWhole(benchmark::State& state, const std::shared_ptr<const language::Program>& program, const fs::path& model) {
   Parts parts;
   double scannedModules = 0.0;
   double modules = 0.0;
   for (auto _ : state) {
-    simulation::Simulation simulation(program, {turtle::PlantPlacement{}}, environmentBeside(model), {});
+    simulation::Simulation simulation = simulationOf(program, model.string());
     require(simulation.rewind());
     while (!simulation.isFinished()) {
       scannedModules += static_cast<double>(simulation.string().size());
@@ -100,16 +84,7 @@ const bool kIsRegistered = [] {
     }
     add(workload.name(), sourceFolder() + "/tests/benchmark/models/" + workload.model + ".l", defines);
   }
-  std::vector<fs::path> models;
-  std::error_code error;
-  for (const auto& folder : fs::directory_iterator(sourceFolder() + "/clients/gallery", error)) {
-    const fs::path model = folder.path() / (folder.path().filename().string() + ".l");
-    if (fs::exists(model)) {
-      models.push_back(model);
-    }
-  }
-  std::sort(models.begin(), models.end());
-  for (const fs::path& model : models) {
+  for (const fs::path model : galleryModels()) {
     add(model.stem().string(), model, {});
   }
   return true;

@@ -1,40 +1,22 @@
-// The gallery's models that need no environment or one that its `.e` file names: all steps, then the picture's scene.
+// The gallery's models as `espalier run` makes them, with environment and world: all steps, then the picture's scene.
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <filesystem>
 
-#include "environment/published/published_environment.h"
+#include "tests/benchmark/gallery_model.h"
 #include "tests/benchmark/workload.h"
-#include "tests/support/disk_files.h"
-#include "tests/support/places.h"
 
 namespace espalier::benchmarking {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::unique_ptr<turtle::EnvironmentProcess> fieldEnvironment(const fs::path& model) {
-  fs::path file = model;
-  file.replace_extension(".e");
-  if (!fs::exists(file)) {
-    return nullptr;
-  }
-  test::DiskFiles files;
-  std::vector<core::Diagnostic> warnings;
-  auto made = environment::makeFromEnvironmentFile(file.string(), files, core::Compatibility::Espalier, warnings);
-  if (!made) {
-    throw std::runtime_error(made.error().front().message);
-  }
-  return std::move(*made);
-}
-
 void grow(benchmark::State& state, const fs::path& model) {
   fs::path view = model;
   view.replace_extension(".v");
   const auto program = compileFile(model.string(), fs::exists(view) ? view.string() : "", {});
-  simulation::Simulation simulation(program, {turtle::PlantPlacement{}}, fieldEnvironment(model), {});
+  simulation::Simulation simulation = simulationOf(program, model.string());
   require(simulation.rewind());
   core::StringSink axiom;
   simulation.save(axiom);
@@ -60,16 +42,7 @@ void grow(benchmark::State& state, const fs::path& model) {
 }
 
 const bool kIsRegistered = [] {
-  std::vector<fs::path> models;
-  std::error_code error;
-  for (const auto& folder : fs::directory_iterator(sourceFolder() + "/clients/gallery", error)) {
-    const fs::path model = folder.path() / (folder.path().filename().string() + ".l");
-    if (fs::exists(model)) {
-      models.push_back(model);
-    }
-  }
-  std::sort(models.begin(), models.end());
-  for (const fs::path& model : models) {
+  for (const fs::path model : galleryModels()) {
     benchmark::RegisterBenchmark(("gallery/" + model.stem().string()).c_str(),
                                  [model](benchmark::State& state) { grow(state, model); })
         ->Unit(benchmark::kMillisecond)

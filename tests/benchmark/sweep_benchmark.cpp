@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "clients/espalier/sweep/sweep.h"
-#include "environment/published/published_environment.h"
 #include "tests/benchmark/workload.h"
 #include "tests/support/disk_files.h"
+#include "tests/support/model_environment.h"
 #include "tests/support/places.h"
 
 namespace espalier::benchmarking {
@@ -35,12 +35,7 @@ std::string modelFile(const char* suffix) {
 // the environment of branch-tiers: honda, by its published file
 std::unique_ptr<turtle::EnvironmentProcess> honda() {
   test::DiskFiles files;
-  std::vector<core::Diagnostic> warnings;
-  auto made = environment::makeFromEnvironmentFile(modelFile(".e"), files, core::Compatibility::Espalier, warnings);
-  if (!made) {
-    throw std::runtime_error(made.error().front().message);
-  }
-  return std::move(*made);
+  return test::environmentBeside(modelFile(".l"), files);
 }
 
 /// Time since the object was made.

@@ -15,12 +15,10 @@
 #include "engine/core/hash.h"
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
-#include "environment/environment_entries.h"
-#include "environment/environment_set.h"
-#include "environment/published/published_environment.h"
 #include "environment/registry.h"
 #include "tests/bits/random_model.h"
 #include "tests/support/disk_files.h"
+#include "tests/support/model_environment.h"
 
 namespace espalier::test {
 namespace {
@@ -99,41 +97,14 @@ int printRandomModels(std::uint32_t first, std::uint32_t count, unsigned threads
   return figures.failures == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-// the environment in the .e or .json file beside a model; `isKnown` is false when it could not be made
-Process environmentBeside(const std::string& stem, core::FileProvider& files, bool& isKnown) {
-  if (files.read(stem + ".e")) {
-    std::vector<core::Diagnostic> warnings;
-    auto made = environment::makeFromEnvironmentFile(stem + ".e", files, core::Compatibility::Espalier, warnings);
-    isKnown = made.has_value();
-    return made ? std::move(*made) : nullptr;
-  }
-  const auto text = files.read(stem + ".json");
-  if (!text) {
-    return nullptr;
-  }
-  const auto entries = environment::parseEnvironmentEntries(*text);
-  std::vector<std::pair<std::string, Process>> processes;
-  for (const environment::EnvironmentEntry& entry : entries ? *entries : std::vector<environment::EnvironmentEntry>{}) {
-    auto made = environment::makeProcess(entry.type, entry.configuration);
-    isKnown = isKnown && made.has_value();
-    if (made) {
-      processes.emplace_back(entries->size() == 1 ? "" : entry.name, std::move(*made));
-    }
-  }
-  isKnown = isKnown && !processes.empty();
-  return isKnown ? environment::makeEnvironmentSet(std::move(processes)) : nullptr;
-}
-
 bool printGalleryModel(const std::string& folder, const std::string& name, unsigned threads) {
   DiskFiles files;
   Figures figures;
   std::string stem = folder;
   stem.append("/").append(name).append("/").append(name);
   const auto program = compiled(stem + ".l", files.read(stem + ".v") ? stem + ".v" : "", files, figures);
-  bool isKnown = true;
-  Process process = environmentBeside(stem, files, isKnown);
-  if (!program || !isKnown) {
-    std::fprintf(stderr, "%s: %s\n", name.c_str(), program ? "its environment cannot be made" : "does not compile");
+  if (!program) {
+    std::fprintf(stderr, "%s: does not compile\n", name.c_str());
     return false;
   }
   simulation::SimulationOptions options;
@@ -141,7 +112,7 @@ bool printGalleryModel(const std::string& folder, const std::string& name, unsig
   options.hasSeed = true;
   options.threads = threads;
   core::Hasher hash;
-  addRun(program, std::move(process), std::move(options), hash, figures);
+  addRun(program, environmentBeside(stem + ".l", files), std::move(options), hash, figures);
   std::printf("gallery %s %016" PRIx64 "\n", name.c_str(), hash.value());
   return figures.stopped == 0;
 }
