@@ -96,10 +96,9 @@ tl::expected<LasHeader, std::string> readHeader(const LasBytes& file) {
     return tl::unexpected("has " + std::to_string(header.count) + " points, more than " +
                           std::to_string(kMostCloudPoints) + ". Thin it out or cut it into tiles");
   }
-  const std::uint64_t room = header.points < headerBytes || header.points > file.size()
-                                 ? 0
-                                 : (file.size() - header.points) / header.recordBytes;
-  if (room < header.count) {
+  const bool isInside = header.points >= headerBytes && header.points <= file.size();
+  const std::uint64_t room = isInside ? (file.size() - header.points) / header.recordBytes : 0;
+  if (!isInside || room < header.count) {
     return tl::unexpected("is cut short: it holds " + std::to_string(room) + " of its " + std::to_string(header.count) +
                           " points. Get a complete copy");
   }
