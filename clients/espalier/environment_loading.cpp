@@ -11,8 +11,7 @@
 #include "engine/language/checks/model_queries.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
-#include "environment/output/field_embedding.h"
-#include "environment/output/mesh_embedding.h"
+#include "environment/output/file_embedding.h"
 #include "environment/published/environment_file.h"
 #include "environment/published/published_environment.h"
 #include "environment/registry.h"
@@ -187,8 +186,7 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
   }
   std::vector<environment::EnvironmentEntry>& entries = *parsed;
   for (environment::EnvironmentEntry& entry : entries) {
-    auto problem = environment::embedMeshFile(entry, file, files);
-    problem = problem ? problem : environment::embedFieldFile(entry, file, files);
+    auto problem = environment::embedFiles(entry, file, files);
     if (problem) {
       printDiagnostics(std::vector{*problem}, false);
       return nullptr;

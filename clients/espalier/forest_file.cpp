@@ -41,7 +41,7 @@ std::string besideForest(const std::string& forest, const std::string& file) {
 }
 
 bool loadModels(const protocol::ForestParams& forest, const std::string& file, const ModelOptions& options,
-                core::FileProvider& files, LoadedModel& loaded) {
+                const std::string& lengthUnit, core::FileProvider& files, LoadedModel& loaded) {
   std::vector<files::Palette> palettes;
   for (const protocol::NamedModel& model : forest.models) {
     ModelOptions own = options;
@@ -49,6 +49,7 @@ bool loadModels(const protocol::ForestParams& forest, const std::string& file, c
     own.object.clear();
     own.view.clear();
     own.environment.clear();
+    own.lengthUnit = lengthUnit;
     server::FolderSettings folder;
     auto program = loadProgram(own, files, &folder);
     if (!program) {
@@ -121,8 +122,18 @@ std::optional<LoadedModel> loadForest(const std::string& file, ModelOptions& opt
   }
   const std::optional<protocol::ForestParams> forest =
       decodeJsonFile(file, "forest file", files, protocol::decodeForestParams);
+  if (!forest) {
+    return std::nullopt;
+  }
+  auto world = worldOfForest(*forest, file, options, files);
+  if (!world) {
+    return std::nullopt;
+  }
+  if (forest->world || !options.world.empty()) {
+    options.lengthUnit = world->lengthUnit;
+  }
   LoadedModel loaded;
-  if (!forest || !loadModels(*forest, file, options, files, loaded)) {
+  if (!loadModels(*forest, file, options, world->lengthUnit, files, loaded)) {
     return std::nullopt;
   }
   if (!loadEnvironmentOf(*forest, file, options, files, loaded)) {
@@ -143,10 +154,6 @@ std::optional<LoadedModel> loadForest(const std::string& file, ModelOptions& opt
         printNote("seed " + std::to_string(*options.seed));
       }
     }
-  }
-  auto world = worldOfForest(*forest, file, options, files);
-  if (!world) {
-    return std::nullopt;
   }
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
   loaded.simulationOptions.world = std::move(*world);

@@ -43,6 +43,7 @@ constexpr auto kCommands = std::to_array<Command>({
     {"infer", espalier::command::addInfer},
     {"language-server", espalier::command::addLanguageServer},
     {"field", espalier::command::addField},
+    {"points", espalier::command::addPoints},
     {"traits", espalier::command::addTraits},
     {"replay", espalier::command::addReplay},
     {"conformance", espalier::command::addConformance},

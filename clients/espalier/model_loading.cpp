@@ -68,7 +68,8 @@ std::vector<core::Diagnostic> bracketWarnings(const std::string& file, std::stri
 }
 
 // the string in a file; the file may be an MTG
-std::optional<std::string> readStartString(const ModelOptions& options, core::FileProvider& files) {
+std::optional<std::string> readStartString(const ModelOptions& options, const std::string& lengthUnit,
+                                           core::FileProvider& files) {
   const std::string& file = options.startFile;
   const bool isQuiet = options.isQuiet;
   std::optional<std::string> text = files.read(file);
@@ -94,18 +95,23 @@ std::optional<std::string> readStartString(const ModelOptions& options, core::Fi
     }
   }
   if (roots::isRootFile(file)) {
-    const auto roots = roots::readRoots(file, *text);
+    auto roots = roots::readRoots(file, *text);
     if (!roots) {
       printError(file + ", " + roots.error());
+      return std::nullopt;
+    }
+    const std::string ownUnit = roots->unit;
+    if (const auto problem = roots::convertTo(*roots, lengthUnit)) {
+      printError(file + ": " + *problem);
       return std::nullopt;
     }
     text = roots::stringOf(*roots);
     if (!isQuiet) {
       printNote("'" + file +
                 "' (--from) has the modules @M(x,y,z), @R(x,y,z), !(diameter), F(length), ?E(age,order,…)" +
-                (roots->unit.empty() || roots->unit == "unknown"
+                (ownUnit == roots->unit
                      ? std::string()
-                     : "; its lengths in " + roots->unit + " are taken as lengths of the world, without conversion"));
+                     : "; its lengths in " + ownUnit + " are converted to those of the world in " + roots->unit));
     }
   }
   if (text->find_first_not_of(" \t\r\n") == std::string::npos) {
@@ -392,9 +398,18 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
   std::optional<RootModelFiles> rootFiles;
   if (roots::isRootFile(modelFiles.model)) {
     const auto text = files.read(modelFiles.model);
-    const auto roots = roots::readRoots(modelFiles.model, text.value_or(""));
+    auto roots = roots::readRoots(modelFiles.model, text.value_or(""));
     if (!roots) {
       printError(modelFiles.model + ", " + roots.error());
+      return nullptr;
+    }
+    if (options.lengthUnit.empty()) {
+      options.lengthUnit = roots->unit;
+    }
+    auto problem = roots::convertTo(*roots, options.lengthUnit);
+    problem = problem ? problem : roots::problemOfDays(*roots);
+    if (problem) {
+      printError(modelFiles.model + ": " + *problem);
       return nullptr;
     }
     rootFiles.emplace(files, modelFiles.model, roots::modelOf(*roots));
@@ -450,6 +465,14 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
   if (const auto forest = forestFileOf(options.model)) {
     return loadForest(*forest, options, files);
   }
+  const std::string worldFile = worldFileOf(options);
+  auto world = loadWorld(options, worldFile, files);
+  if (!world) {
+    return std::nullopt;
+  }
+  if (!options.world.empty() || !worldFile.empty()) {
+    options.lengthUnit = world->lengthUnit;
+  }
   LoadedModel loaded;
   loaded.program = loadProgram(options, files, &loaded.folder);
   if (!loaded.program) {
@@ -472,16 +495,15 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
                                   options.isQuiet, options.remote.isStrict)) {
     return std::nullopt;
   }
-  auto world = loadWorld(options, worldFileOf(options), files);
-  if (!world) {
-    return std::nullopt;
+  if (!options.lengthUnit.empty()) {
+    world->lengthUnit = options.lengthUnit;
   }
   loaded.simulationOptions = simulationOptionsFor(options, *loaded.program);
   loaded.simulationOptions.world = std::move(*world);
   loaded.simulationOptions.environmentOrigin = loaded.environment.origin;
   loaded.simulationOptions.palette = loaded.folder.palette;
   if (!options.startFile.empty()) {
-    std::optional<std::string> start = readStartString(options, files);
+    std::optional<std::string> start = readStartString(options, loaded.simulationOptions.world.lengthUnit, files);
     if (!start) {
       return std::nullopt;
     }

@@ -40,6 +40,7 @@ struct ModelOptions {
   simulation::Coupling coupling;
   std::string world;         // a file; empty: that of the folder or of the forest, or the default
   std::string stepDuration;  // such as 1 h; empty: that of the world
+  std::string lengthUnit;    // of the world, once it is loaded; empty: no file says it
   bool isQuiet = false;
 
   [[nodiscard]] core::Compatibility mode() const;
@@ -70,7 +71,8 @@ void addRunningOptions(CLI::App& command, ModelOptions& options);
 [[nodiscard]] bool needsDrawnSeed(const language::Program& program);
 
 /// Reads and compiles the model of `options` and completes options.view and options.environment with the files beside
-/// it. `folder`, when not null, receives its colours and animation. Prints diagnostics and errors on standard error.
+/// it. A root system is given in options.lengthUnit, which is the file's own when it is empty.
+/// `folder`, when not null, receives its colours and animation. Prints diagnostics and errors on standard error.
 /// Returns null after an error.
 [[nodiscard]] std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
                                                                    server::FolderSettings* folder = nullptr);

@@ -18,6 +18,7 @@ void fuzzSnapshot(std::string_view bytes);   // a snapshot, its checksum made ri
 void fuzzTrace(std::string_view bytes);      // a trace, its checksums made right, replayed
 void fuzzString(std::string_view text);      // a bundle of a string and its model: the run begins with the string
 void fuzzMtg(std::string_view text);         // a multiscale tree graph, read into strings
+void fuzzPoints(std::string_view bytes);     // a point cloud: LAS or PLY
 void fuzzRoots(std::string_view text);       // a root system: RSML, or a table; its model
 
 struct NamedTarget {
@@ -35,6 +36,7 @@ inline constexpr NamedTarget kTargets[] = {
     {"string", fuzzString},
     {"mtg", fuzzMtg},
     {"roots", fuzzRoots},
+    {"points", fuzzPoints},
 };
 
 }  // namespace espalier::fuzz

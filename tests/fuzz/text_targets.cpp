@@ -4,6 +4,7 @@
 
 #include "clients/espalier/roots/root_system.h"
 #include "engine/core/check.h"
+#include "engine/files/points/point_cloud.h"
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/export/text/mtg.h"
@@ -42,6 +43,18 @@ void fuzzMtg(std::string_view text) {
   if (const auto* strings = std::get_if<turtle::MtgStrings>(&read)) {
     ESPALIER_CHECK(!strings->strings.empty());
   }
+}
+
+void fuzzPoints(std::string_view bytes) {
+  const auto cloud = files::readPoints(bytes);
+  if (!cloud) {
+    ESPALIER_CHECK(!cloud.error().empty());
+    return;
+  }
+  // a point takes at least six bytes of a file: "0 0 0\n"
+  ESPALIER_CHECK(cloud->points.size() <= bytes.size() / 5);
+  ESPALIER_CHECK(cloud->classes.empty() || cloud->classes.size() == cloud->points.size());
+  ESPALIER_CHECK(cloud->returns.empty() || cloud->returns.size() == cloud->points.size());
 }
 
 void fuzzRoots(std::string_view text) {

@@ -61,7 +61,7 @@ class RootSystems(unittest.TestCase):
         lines = TABLE.splitlines()
         self.table.write_text("\n".join([lines[0] + "\temergence"] + [f"{line}\t{day}" for line, day in zip(lines[1:], days)]) + "\n",
                               encoding="utf-8")
-        espalier("run", str(self.table), "--every", "-o", str(self.folder / "day.rsml"), "--quiet")
+        espalier("run", str(self.table), "--every", "-o", str(self.folder / "day-%04d.rsml"), "--quiet")
         for day in range(5):
             tree = ElementTree.parse(self.folder / f"day-{day:04d}.rsml")
             self.assertEqual(tree.findtext("metadata/time-sequence/index"), str(day))
@@ -70,6 +70,88 @@ class RootSystems(unittest.TestCase):
         # ages at the end are those of the file
         text = espalier("derive", str(self.table)).stdout
         self.assertEqual(sorted(float(part.split(",")[0]) for part in text.split("?E(")[1:]), sorted(4.0 - day for day in days[1:]))
+
+    def write_with_days(self, days: Tuple[int, ...]) -> None:
+        lines = TABLE.splitlines()
+        self.table.write_text("\n".join([lines[0] + "\temergence"] + [f"{line}\t{day}" for line, day in zip(lines[1:], days)]) + "\n",
+                              encoding="utf-8")
+
+    def test_growth_in_one_file_is_read_and_written_again_identically(self) -> None:
+        days = (0, 0, 1, 3, 2, 4, 4)
+        self.write_with_days(days)
+        files = [self.folder / name for name in ("one.rsml", "two.rsml")]
+        espalier("run", str(self.table), "--every", "-o", str(files[0]))
+        espalier("run", str(files[0]), "--every", "-o", str(files[1]))
+        self.assertEqual(*(file.read_bytes() for file in files))
+        # an independent reader finds the day of each point
+        found = set()
+        for root in ElementTree.parse(files[0]).iter("root"):
+            points = root.findall("geometry/polyline/point")
+            samples = root.findall("functions/function[@name='emergence_time']/sample")
+            self.assertEqual(len(points), len(samples))
+            found |= {(tuple(point.get(axis) for axis in "xyz"), sample.get("value")) for point, sample in zip(points[1:], samples[1:])}
+        rows = [line.split("\t") for line in TABLE.splitlines()[1:]]
+        self.assertEqual(found, {(tuple(row[2:5]), str(day)) for row, day in list(zip(rows, days))[1:]})
+        # with steps of half a day the file has days
+        espalier("run", str(self.table), "--every", "--step-duration", "12 h", "-o", str(files[1]))
+        values = {sample.get("value") for sample in ElementTree.parse(files[1]).findall(".//function[@name='emergence_time']/sample")}
+        self.assertEqual(values, {"0", "0.5", "1", "1.5", "2"})
+
+    def test_many_days_are_an_animation_too_and_what_are_no_days_is_said(self) -> None:
+        self.write_with_days((0, 0, 1, 3, 2, 4, 20_000))
+        text = espalier("check", str(self.table)).stdout
+        self.assertIn("no errors", text)
+        self.assertIn("W(1,", espalier("derive", str(self.table), "--steps", "19999").stdout)
+        self.write_with_days((0, 0, 1, 3, 2, 4, 86_400_000))
+        picture = self.folder / "late.png"
+        run = espalier("run", str(self.table), "-o", str(picture), status=1)
+        self.assertIn("the times of emergence span 86400000 days, and an animation has a step a day, at most 1000000", run.stderr)
+        self.assertFalse(picture.exists())
+
+    def written_in(self, unit: str) -> Path:
+        """A hand-made file: a root of 40 with a lateral of 10, in lengths of a unit."""
+        file = self.folder / f"hand-{unit}.rsml"
+        file.write_text(f"""<?xml version="1.0"?>
+<rsml xmlns:po="http://www.plantontology.org/xml-dtd/po.dtd"><metadata><version>1</version><unit>{unit}</unit><resolution>1</resolution>
+<last-modified>2026-01-01</last-modified><software>by hand</software><user>nobody</user><file-key>1</file-key></metadata>
+<scene><plant ID="1" label="barley"><root ID="1.1" label="primary" po:accession="PO:0020127"><geometry><polyline><point x="0" y="0"/>
+<point x="0" y="-20"/><point x="0" y="-40"/></polyline></geometry><functions><function domain="polyline" name="diameter"><sample>2</sample>
+<sample>2</sample><sample>1</sample></function></functions><root ID="1.1.1"><properties><parent-node value="1"/></properties><geometry><polyline>
+<point x="0" y="-20"/><point x="10" y="-20"/></polyline></geometry></root></root></plant></scene></rsml>""", encoding="utf-8")
+        return file
+
+    def test_lengths_come_in_the_unit_of_the_world_or_make_it(self) -> None:
+        again = self.folder / "again.rsml"
+        for unit in ("mm", "cm", "inch", "pixel", "unknown"):
+            espalier("run", str(self.written_in(unit)), "-o", str(again))
+            tree = ElementTree.parse(again)
+            self.assertEqual(tree.findtext("metadata/unit"), unit)
+            self.assertEqual([point.get("y") for point in tree.iter("point")], ["0", "-20", "-40", "-20", "-20"])
+            once = again.read_bytes()
+            espalier("run", str(again), "-o", str(self.folder / "twice.rsml"))
+            self.assertEqual((self.folder / "twice.rsml").read_bytes(), once)
+        # a world says the unit of everything
+        world = self.folder / "world.json"
+        world.write_text('{"lengthUnit": "cm"}', encoding="utf-8")
+        for unit, last in (("mm", "-4"), ("cm", "-40"), ("m", "-4000"), ("inch", "-101.6"), ("unknown", "-40")):
+            espalier("run", str(self.written_in(unit)), "--world", str(world), "-o", str(again))
+            tree = ElementTree.parse(again)
+            self.assertEqual(tree.findtext("metadata/unit"), "cm")
+            self.assertEqual([point.get("y") for point in tree.iter("point")][2], last)
+        # a model takes a file in its own unit, metres unless a world says another
+        draws = self.folder / "draws.l"
+        draws.write_text("Lsystem: 1\nderivation length: 0\nAxiom: @M(0,0,0)@R(1,0,0)!(1)F(1)?E(0,0,0,0,0,0,0,0,0,0)\nendlsystem\n", encoding="utf-8")
+        run = espalier("derive", str(draws), "--from", str(self.written_in("cm")))
+        self.assertIn("its lengths in cm are converted to those of the world in m", run.stderr)
+        self.assertIn("!(0.02)F(0.2)", run.stdout)
+
+    def test_a_length_of_unknown_size_is_refused_in_a_world_of_metres(self) -> None:
+        world = self.folder / "world.json"
+        world.write_text('{"lengthUnit": "cm"}', encoding="utf-8")
+        picture = self.folder / "pixel.png"
+        run = espalier("run", str(self.written_in("pixel")), "--world", str(world), "-o", str(picture), status=1)
+        self.assertIn("its lengths in 'pixel' cannot be converted to those of the world in 'cm'. Write its lengths in m, dm", run.stderr)
+        self.assertFalse(picture.exists())
 
     def test_a_unit_that_is_none_is_refused(self) -> None:
         rsml = self.folder / "far.rsml"

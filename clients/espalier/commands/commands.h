@@ -28,6 +28,7 @@ void addSweep(CLI::App& program, int& status);
 void addInfer(CLI::App& program, int& status);
 void addLanguageServer(CLI::App& program, int& status);
 void addField(CLI::App& program, int& status);
+void addPoints(CLI::App& program, int& status);
 void addReplay(CLI::App& program, int& status);
 void addConformance(CLI::App& program, int& status);
 void addTraits(CLI::App& program, int& status);

@@ -8,8 +8,7 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/output/field_writing_process.h"
 #include "environment/environment_entries.h"
-#include "environment/output/field_embedding.h"
-#include "environment/output/mesh_embedding.h"
+#include "environment/output/file_embedding.h"
 #include "environment/registry.h"
 #include "protocol/codec.h"
 #include "protocol/envelope.h"
@@ -161,8 +160,7 @@ int runEnvironment(EnvironmentOptions& options) {
     // put the files that the configuration names into it
     environment::EnvironmentEntry entry{options.name, options.name, configuration};
     server::DiskFileProvider files;
-    auto problem = environment::embedMeshFile(entry, options.configurationFile, files);
-    problem = problem ? problem : environment::embedFieldFile(entry, options.configurationFile, files);
+    auto problem = environment::embedFiles(entry, options.configurationFile, files);
     if (problem) {
       printDiagnostics(std::vector{*problem}, false);
       return kFailure;

@@ -274,6 +274,7 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   if (!loaded || !options.trace.open(loaded->environment)) {
     return kFailure;
   }
+  options.outputs.lengthUnit = model.lengthUnit;
   if (variant == 1 &&
       std::none_of(loaded->programs.begin(), loaded->programs.end(),
                    [](const auto& program) { return drawsRandomNumbers(*program); }) &&

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/simulation/simulation.h"
@@ -28,6 +30,10 @@ class FieldOutputs {
   void begin(std::optional<std::uint64_t> variant);
   /// The files without their numbers.
   [[nodiscard]] std::vector<std::string> files() const;
+  /// Whether a file is of that quantity alone.
+  [[nodiscard]] bool names(std::string_view field) const {
+    return std::ranges::any_of(outputs_, [&](const Output& output) { return output.name == field; });
+  }
   [[nodiscard]] bool isEmpty() const { return specifications_.empty(); }
   /// Notes the present step in the tables, and with `number` writes the other files with that number. False: an error
   /// was written.

@@ -60,7 +60,9 @@ bool GrowthOutputs::addFrame(const simulation::Simulation& simulation) {
                                   .view = simulation.view(),
                                   .palette = &simulation.options().palette,
                                   .detail = options_.detail,
-                                  .threads = options_.picture.threads};
+                                  .threads = options_.picture.threads,
+                                  .lengthUnit = lengthUnitOf(options_, simulation),
+                                  .stepDurationDays = simulation.options().world.stepDurationDays};
   for (const auto& file : files_) {
     if (const auto problem = file->growth->addFrame(input, simulation.completedSteps())) {
       printError("cannot write '" + file->content.name() + "': " + *problem);

@@ -332,6 +332,12 @@ bool OutputWriter::write(const simulation::Simulation& simulation, std::optional
          });
 }
 
+std::string_view lengthUnitOf(const OutputOptions& options, const simulation::Simulation& simulation) {
+  static const turtle::World kDefault;
+  const std::string& unit = simulation.options().world.lengthUnit;
+  return options.lengthUnit.empty() && unit == kDefault.lengthUnit ? std::string_view() : std::string_view(unit);
+}
+
 std::optional<std::string> OutputWriter::picture(const simulation::Simulation& simulation) const {
   const std::optional<Drawn> all = drawn(simulation);
   if (!all) {
@@ -373,6 +379,8 @@ std::optional<std::string> OutputWriter::exportTo(const simulation::Simulation& 
                                   .usesInstancing = options_.usesInstancing,
                                   .picture = &options_.picture,
                                   .step = simulation.completedSteps(),
+                                  .lengthUnit = lengthUnitOf(options_, simulation),
+                                  .stepDurationDays = simulation.options().world.stepDurationDays,
                                   .program = &simulation.program(),
                                   .programs = programs,
                                   .strings = strings,

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "clients/espalier/rendering/render.h"
@@ -28,6 +29,7 @@ struct OutputOptions {
   turtle::PictureOptions picture;
   RenderOptions render;         // of PNG files; the camera of the others does not change
   std::uint64_t turntable = 0;  // pictures of one turn of the plant; 0: it stands still
+  std::string lengthUnit;       // of the plants; empty: that of the world, unless it is the default
 };
 
 /// Adds -o, --format and the options for pictures and meshes: --size, --background, --framing, --colours, --render and
@@ -54,6 +56,9 @@ void addOutputOptions(CLI::App& command, OutputOptions& options, bool isOutputRe
 
 /// Whether pictures are seen by viewToRender().
 [[nodiscard]] bool movesViewer(const OutputOptions& options);
+
+/// The unit of a simulation's lengths as files say it; empty: no one has said it.
+[[nodiscard]] std::string_view lengthUnitOf(const OutputOptions& options, const simulation::Simulation& simulation);
 
 /// The format of a file by --format or its suffix; null: a snapshot, or none of that name.
 [[nodiscard]] const turtle::ExportFormat* formatOf(const OutputOptions& options, const std::string& file);

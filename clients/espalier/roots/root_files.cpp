@@ -207,6 +207,31 @@ RootSystem rootsOf(const turtle::Scene& scene) {
   return roots;
 }
 
+std::optional<std::string> convertTo(RootSystem& roots, const std::string& unit) {
+  constexpr std::pair<std::string_view, double> kMetres[] = {{"m", 1.0},    {"dm", 0.1},  {"cm", 0.01},
+                                                             {"mm", 0.001}, {"um", 1e-6}, {"inch", 0.0254}};
+  if (roots.unit.empty() || roots.unit == unit) {
+    return std::nullopt;
+  }
+  const auto metresOf = [&](std::string_view name) -> std::optional<double> {
+    const auto* const known = std::ranges::find(kMetres, name, &std::pair<std::string_view, double>::first);
+    return known == std::end(kMetres) ? std::nullopt : std::optional(known->second);
+  };
+  const auto from = metresOf(roots.unit);
+  const auto to = metresOf(unit);
+  if (!from || !to) {
+    return "its lengths in '" + roots.unit + "' cannot be converted to those of the world in '" + unit +
+           "'. Write its lengths in m, dm, cm, mm, um or inch, and those of the world (lengthUnit) in m, dm, cm or mm";
+  }
+  const double factor = *from / *to;
+  for (RootSystem::Node& node : roots.nodes) {
+    node.place = node.place * factor;
+    node.radius *= factor;
+  }
+  roots.unit = unit;
+  return std::nullopt;
+}
+
 namespace {
 
 /// When segments appear in a model, by node; empty: all are there from the start.
@@ -215,10 +240,11 @@ struct Appearance {
   std::uint64_t last = 0;           // step at which all are there
 };
 
-/// One step a day up to the last emergence. The segments of the first day are there at step 0, and no segment appears
-/// before its parent.
-Appearance appearanceOf(const RootSystem& roots) {
-  constexpr double kMostSteps = 10'000.0;
+/// The most days from the first emergence to the last: each is a step that looks at all segments.
+constexpr double kMostDays = 1'000'000.0;
+
+/// The first and the last day of emergence; the first is above the last where none is known.
+std::pair<double, double> daysOf(const RootSystem& roots) {
   double first = std::numeric_limits<double>::infinity();
   double last = -first;
   for (const RootSystem::Node& node : roots.nodes) {
@@ -227,8 +253,15 @@ Appearance appearanceOf(const RootSystem& roots) {
       last = std::max(last, node.emergence);
     }
   }
+  return {first, last};
+}
+
+/// One step a day up to the last emergence. The segments of the first day are there at step 0, and no segment appears
+/// before its parent.
+Appearance appearanceOf(const RootSystem& roots) {
+  const auto [first, last] = daysOf(roots);
   const double days = std::floor(last - first);
-  if (!(days >= 1.0 && days <= kMostSteps)) {
+  if (!(days >= 1.0 && days <= kMostDays)) {
     return {};
   }
   Appearance appearance{.step = {}, .last = static_cast<std::uint64_t>(days)};
@@ -322,6 +355,19 @@ std::string textOf(const RootSystem& roots, const Appearance& appearance) {
 
 std::string stringOf(const RootSystem& roots) {
   return textOf(roots, {});
+}
+
+std::optional<std::string> problemOfDays(const RootSystem& roots) {
+  const auto [first, last] = daysOf(roots);
+  if (first > last || last - first < kMostDays + 1.0) {
+    return std::nullopt;
+  }
+  std::string days;
+  core::appendNumber(days, std::floor(last - first), core::NumberStyle::Shortest);
+  return "the times of emergence span " + days +
+         " days, and an animation has a step a day, at most 1000000. Write them in days, or start a model from the "
+         "file "
+         "with --from, which shows the last day";
 }
 
 bool isRootFile(std::string_view fileName) {

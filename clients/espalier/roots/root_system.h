@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <tl/expected.hpp>
@@ -47,6 +48,13 @@ inline constexpr double kLargestCoordinate = 1e100;
 /// The lines that plants draw, by the segments that they grow from.
 [[nodiscard]] RootSystem rootsOf(const turtle::Scene& scene);
 
+/// Gives all lengths in `unit`. The error is a sentence without the file's name: the size of one of the units, such as
+/// a pixel, is not known. Roots without a unit stay as they are.
+[[nodiscard]] std::optional<std::string> convertTo(RootSystem& roots, const std::string& unit);
+
+/// Why the days of emergence make no animation: they span more than a million. Nothing: they do, or there are none.
+[[nodiscard]] std::optional<std::string> problemOfDays(const RootSystem& roots);
+
 /// Whether the name of a file is that of a root system: `.rsml`, or `.tsv` for a table.
 [[nodiscard]] bool isRootFile(std::string_view fileName);
 
@@ -56,8 +64,8 @@ inline constexpr double kLargestCoordinate = 1e100;
 [[nodiscard]] std::string stringOf(const RootSystem& roots);
 
 /// The source of a model that draws the roots. Where days of emergence are known it is an animation: a step a day to
-/// the last emergence (from 1 to 10,000 steps), in which segments appear and grow older. Otherwise its axiom is that
-/// string, and it has no productions.
+/// the last emergence, in which segments appear and grow older. Otherwise its axiom is that string, and it has no
+/// productions. `roots` has no problemOfDays().
 [[nodiscard]] std::string modelOf(const RootSystem& roots);
 
 }  // namespace espalier::roots

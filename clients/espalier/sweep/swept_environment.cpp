@@ -6,8 +6,7 @@
 #include "engine/turtle/field.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
-#include "environment/output/field_embedding.h"
-#include "environment/output/mesh_embedding.h"
+#include "environment/output/file_embedding.h"
 #include "environment/registry.h"
 
 namespace espalier::command {
@@ -98,8 +97,7 @@ Result<std::string> readConfiguration(const std::string& text, const std::string
         (entry.type == "tcp" || entry.type == "stdio" || entry.type == "plugin")) {
       return std::string();
     }
-    auto mistake = environment::embedMeshFile(entry, file, files);
-    mistake = mistake ? mistake : environment::embedFieldFile(entry, file, files);
+    auto mistake = environment::embedFiles(entry, file, files);
     if (mistake) {
       return problem(file + ": " + mistake->message + (mistake->hint.empty() ? "" : ": " + mistake->hint));
     }

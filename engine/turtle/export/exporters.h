@@ -33,10 +33,12 @@ struct ExportInput {
   unsigned threads = 1;  // that make meshes: nothing in a file depends on them
   // glb: equal organs of a plant, and copies of a scene, are one node (EXT_mesh_gpu_instancing)
   bool usesInstancing = false;
-  bool isBackground = false;                   // of a fitted picture: it takes no part in the extent
-  const PictureOptions* picture = nullptr;     // for pictures; null: the defaults. Its palette is not looked at
-  std::optional<std::uint64_t> step = {};      // of the strings, for messages
-  const language::Program* program = nullptr;  // of the strings
+  bool isBackground = false;                // of a fitted picture: it takes no part in the extent
+  const PictureOptions* picture = nullptr;  // for pictures; null: the defaults. Its palette is not looked at
+  std::optional<std::uint64_t> step = {};   // of the strings, for messages
+  std::string_view lengthUnit = {};         // of all lengths; empty: unknown
+  double stepDurationDays = 1.0;
+  const language::Program* program = nullptr;                     // of the strings
   std::span<const language::Program* const> programs = {};        // of each string; empty: all are of `program`
   std::span<const derivation::ModuleString* const> strings = {};  // of the plants, for formats of modules
   /// Interprets the strings once more and visits their modules; an error sentence when that fails.

@@ -1,10 +1,15 @@
 #include "engine/turtle/export/text/rsml.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
+#include <span>
+#include <unordered_map>
 #include <vector>
 
+#include "engine/core/hash.h"
 #include "engine/core/number_text.h"
 #include "engine/turtle/export/text_output.h"
 
@@ -21,14 +26,14 @@ struct Axis {
 };
 
 /// The axes of all plants; a parent comes before its laterals.
-std::vector<Axis> axesOf(const Scene& scene) {
+std::vector<Axis> axesOf(std::span<const Segment> segments) {
   std::vector<Axis> axes;
-  std::vector<std::uint32_t> axisOf(scene.segments.size());
-  std::vector<std::size_t> placeIn(scene.segments.size());  // of each segment in its axis
-  for (std::uint32_t i = 0; i < scene.segments.size(); ++i) {
-    const Segment& segment = scene.segments[i];
+  std::vector<std::uint32_t> axisOf(segments.size());
+  std::vector<std::size_t> placeIn(segments.size());  // of each segment in its axis
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    const Segment& segment = segments[i];
     const bool isRoot = segment.parent == kNoParent;
-    const bool continues = !isRoot && scene.segments[segment.parent].branchOrder == segment.branchOrder &&
+    const bool continues = !isRoot && segments[segment.parent].branchOrder == segment.branchOrder &&
                            placeIn[segment.parent] + 1 == axes[axisOf[segment.parent]].segments.size();
     if (!continues) {
       Axis axis;
@@ -48,10 +53,10 @@ std::vector<Axis> axesOf(const Scene& scene) {
 
 /// Digits behind the point of coordinates, so that the largest has twelve. A turtle comes to a point by a length and a
 /// direction, an error of about 16 digits; with twelve a file that was read and is written again has the same numbers.
-int decimalsOf(const Scene& scene) {
+int decimalsOf(std::span<const Segment> segments) {
   constexpr int kDigits = 12;
   double largest = 0.0;
-  for (const Segment& segment : scene.segments) {
+  for (const Segment& segment : segments) {
     for (const core::Vec3& place : {segment.start, segment.end}) {
       largest = std::max({largest, std::abs(place.x), std::abs(place.y), std::abs(place.z)});
     }
@@ -69,14 +74,23 @@ int decimalsOf(const Scene& scene) {
   return decimals;
 }
 
+/// What a file says beside its lines.
+struct RsmlFacts {
+  std::string_view unit;              // empty: unknown
+  std::optional<std::uint64_t> step;  // of a file that holds one step
+  std::span<const double> days;       // of emergence (segments); or empty
+};
+
 class RsmlWriter {
  public:
-  RsmlWriter(const Scene& scene, core::ByteSink& sink)
-      : scene_(scene), axes_(axesOf(scene)), decimals_(decimalsOf(scene)), out_(sink) {}
+  RsmlWriter(std::span<const Segment> segments, const RsmlFacts& facts, core::ByteSink& sink)
+      : segments_(segments), facts_(facts), axes_(axesOf(segments)), decimals_(decimalsOf(segments)), out_(sink) {}
 
-  void write(std::optional<std::uint64_t> step) {
-    out_ << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<rsml>\n<metadata><version>1</version><unit>unknown</unit>"
-            "<resolution>1</resolution><software>Espalier</software>";
+  void write() {
+    out_ << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<rsml>\n<metadata><version>1</version><unit>";
+    writeEscaped(facts_.unit.empty() ? "unknown" : facts_.unit);
+    out_ << "</unit><resolution>1</resolution><software>Espalier</software>";
+    const std::optional<std::uint64_t>& step = facts_.step;
     if (step) {
       out_ << "<time-sequence><index>" << std::to_string(*step) << "</index><unified>false</unified></time-sequence>";
     }
@@ -87,7 +101,7 @@ class RsmlWriter {
       if (axes_[axis].parent != kNoParent) {
         continue;
       }
-      const std::uint32_t own = scene_.segments[axes_[axis].segments.front()].plant;
+      const std::uint32_t own = segments_[axes_[axis].segments.front()].plant;
       if (!isOpen || own != plant) {
         out_ << (isOpen ? "</plant>\n" : "") << "<plant ID=\"" << std::to_string(own) << "\">\n";
         isOpen = true;
@@ -99,6 +113,15 @@ class RsmlWriter {
   }
 
  private:
+  void writeEscaped(std::string_view text) {
+    for (const char letter : text) {
+      out_ << (letter == '&'   ? "&amp;"
+               : letter == '<' ? "&lt;"
+               : letter == '>' ? "&gt;"
+                               : std::string_view(&letter, 1));
+    }
+  }
+
   void number(const char* name, double value) {
     std::string text;
     core::appendNumber(text, value, core::NumberStyle::Shortest);
@@ -124,9 +147,9 @@ class RsmlWriter {
     out_ << "/>";
   }
 
-  void sample(double diameter) {
+  void sample(double value) {
     out_ << "<sample";
-    number("value", diameter);
+    number("value", value);
     out_ << "/>";
   }
 
@@ -138,16 +161,26 @@ class RsmlWriter {
       out_ << "<properties><parent-node value=\"" << std::to_string(axis.parentNode) << "\"/></properties>";
     }
     out_ << "\n<geometry><polyline>";
-    point(scene_.segments[axis.segments.front()].start);
+    point(segments_[axis.segments.front()].start);
     for (const std::uint32_t segment : axis.segments) {
-      point(scene_.segments[segment].end);
+      point(segments_[segment].end);
     }
     out_ << "</polyline></geometry>\n<functions><function name=\"diameter\" domain=\"polyline\">";
-    sample(scene_.segments[axis.segments.front()].startWidth);
+    sample(segments_[axis.segments.front()].startWidth);
     for (const std::uint32_t segment : axis.segments) {
-      sample(scene_.segments[segment].endWidth);
+      sample(segments_[segment].endWidth);
     }
-    out_ << "</function></functions>\n";
+    out_ << "</function>";
+    if (!facts_.days.empty()) {
+      // a first point is there with the first segment
+      out_ << "\n<function name=\"emergence_time\" domain=\"polyline\">";
+      sample(facts_.days[axis.segments.front()]);
+      for (const std::uint32_t segment : axis.segments) {
+        sample(facts_.days[segment]);
+      }
+      out_ << "</function>";
+    }
+    out_ << "</functions>\n";
   }
 
   /// Laterals of any depth, without recursion.
@@ -167,17 +200,74 @@ class RsmlWriter {
     }
   }
 
-  const Scene& scene_;
+  std::span<const Segment> segments_;
+  RsmlFacts facts_;
   std::vector<Axis> axes_;
   int decimals_;
   TextOutput out_;
 };
 
+/// A point and the plant that it belongs to.
+struct PlantPoint {
+  std::uint32_t plant = 0;
+  std::array<std::uint64_t, 3> bits{};  // of the coordinates
+
+  [[nodiscard]] bool operator==(const PlantPoint&) const = default;
+};
+
+struct PlantPointHash {
+  [[nodiscard]] std::size_t operator()(const PlantPoint& point) const {
+    core::Hasher hasher;
+    hasher.integer(point.plant);
+    for (const std::uint64_t bits : point.bits) {
+      hasher.integer(bits);
+    }
+    return hasher.value();
+  }
+};
+
+class RsmlGrowth final : public GrowthExport {
+ public:
+  explicit RsmlGrowth(const ExportTarget& target) : target_(target) {}
+
+  [[nodiscard]] std::optional<std::string> addFrame(const ExportInput& input, std::uint64_t step) override {
+    unit_ = input.lengthUnit;
+    segments_ = input.scene.segments;
+    days_.clear();
+    for (const Segment& segment : segments_) {
+      const auto& [x, y, z] = segment.end;
+      const PlantPoint point{
+          segment.plant,
+          {std::bit_cast<std::uint64_t>(x), std::bit_cast<std::uint64_t>(y), std::bit_cast<std::uint64_t>(z)}};
+      const double day = static_cast<double>(step) * input.stepDurationDays;
+      days_.push_back(firstDays_.try_emplace(point, day).first->second);
+    }
+    return std::nullopt;
+  }
+
+  void finish() override {
+    const RsmlFacts facts{.unit = unit_, .step = {}, .days = days_};
+    RsmlWriter(segments_, facts, target_.sink).write();
+  }
+
+ private:
+  const ExportTarget& target_;
+  std::string unit_;
+  std::vector<Segment> segments_;  // of the last frame
+  std::vector<double> days_;       // (segments)
+  std::unordered_map<PlantPoint, double, PlantPointHash> firstDays_;
+};
+
 }  // namespace
 
 std::optional<std::string> writeRsml(const ExportInput& input, const ExportTarget& target) {
-  RsmlWriter(input.scene, target.sink).write(input.step);
+  const RsmlFacts facts{.unit = input.lengthUnit, .step = input.step, .days = {}};
+  RsmlWriter(input.scene.segments, facts, target.sink).write();
   return std::nullopt;
+}
+
+std::unique_ptr<GrowthExport> beginRsmlGrowth(const ExportTarget& target, const GrowthRange& /*range*/) {
+  return std::make_unique<RsmlGrowth>(target);
 }
 
 }  // namespace espalier::turtle
