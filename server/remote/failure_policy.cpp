@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "engine/turtle/field.h"
+
 namespace espalier::server {
 namespace {
 
@@ -67,6 +69,7 @@ class PolicyProcess final : public turtle::EnvironmentProcess {
   }
 
   // the length of the environment's state, a colon, its state, the fallback's
+  [[nodiscard]] std::vector<turtle::Field> fields() const override { return process_->fields(); }
   [[nodiscard]] std::string save() const override {
     const std::string own = process_->save();
     return std::to_string(own.size()) + ":" + own + (fallback_ != nullptr ? fallback_->save() : std::string());
