@@ -68,8 +68,8 @@ class PolicyProcess final : public turtle::EnvironmentProcess {
     return fallback_ != nullptr ? fallback_->tick(step) : std::nullopt;
   }
 
-  // the length of the environment's state, a colon, its state, the fallback's
   [[nodiscard]] std::vector<turtle::Field> fields() const override { return process_->fields(); }
+  // the length of the environment's state, a colon, its state, the fallback's
   [[nodiscard]] std::string save() const override {
     const std::string own = process_->save();
     return std::to_string(own.size()) + ":" + own + (fallback_ != nullptr ? fallback_->save() : std::string());

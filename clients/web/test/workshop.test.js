@@ -94,6 +94,13 @@ test("a field of the environment is shown as a slice and as a surface, and follo
   const legend = await page.evaluate(() => studio.view.fieldView.legend);
   assert.match(legend.title, /^waterContent/);
   assert.deepEqual([legend.scale.low, legend.scale.high], [water.least, water.greatest]);
+  // the camera sees the soil, which lies below the plant
+  const [left, right, low, high] = await page.evaluate(() => {
+    const { view } = studio;
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => view.controls.target.clone().set(k & 1 ? 1 : -1, k & 2 ? 0 : -1.5, k & 4 ? 0.5 : -0.5).project(view.camera));
+    return [Math.min(...corners.map(({ x }) => x)), Math.max(...corners.map(({ x }) => x)), Math.min(...corners.map(({ y }) => y)), Math.max(...corners.map(({ y }) => y))];
+  });
+  assert.ok(left > -1 && right < 1 && low > -1 && high < 1, String([left, right, low, high]));
   await page.check("#field-surface");
   await page.waitForFunction(() => studio.view.fieldView.group.children.length === 2 && studio.view.fieldView.group.children[1].geometry.getAttribute("position").count > 0);
   await keep(page, "studio-field");

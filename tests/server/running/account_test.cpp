@@ -132,8 +132,8 @@ TEST(TurnMeter, TheHeapIsTrimmedAlsoAfterTheLastOfManyLargeTurns) {
     const core::WorkMeter::Scope scope(&meter);
     const std::vector<char> block(50'000'000);
   };
-  // A turn that ends within a second of the last trim leaves one to be made. One that ends later trims the heap itself: of
-  // two turns in a row that may be the second one, so both are made again until a trim is left.
+  // A turn that ends within a second of the last trim leaves one to be made. One that ends later trims the heap itself:
+  // of two turns in a row that may be the second one, so both are made again until a trim is left.
   for (int attempt = 0; attempt < 20 && !isHeapTrimDue(); ++attempt) {
     makeLargeTurn();
     makeLargeTurn();

@@ -1,5 +1,5 @@
 // A field of the environment: a slice through it in colours, and the surface on which it has one value.
-import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, Group, Mesh, MeshBasicMaterial, MeshStandardMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace } from "three";
+import { Box3, BufferAttribute, BufferGeometry, DataTexture, DoubleSide, Group, Mesh, MeshBasicMaterial, MeshStandardMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace, Vector3 } from "three";
 import { scaleColour } from "./colours.js";
 import type { Legend } from "./colours.js";
 
@@ -43,6 +43,11 @@ export function readVti(name: string, unit: string, text: string): Field {
     cellSize: numbers("Spacing") as Field["cellSize"],
     values,
   };
+}
+
+export function fieldBox({ cells, position, cellSize }: Field): Box3 {
+  const low = new Vector3(...position);
+  return new Box3(low, new Vector3(...cells).multiply(new Vector3(...cellSize)).add(low));
 }
 
 export function rangeOf({ values }: Field): [number, number] {

@@ -23,7 +23,7 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Geometry, GeometryChange, TurtleTable } from "espalier";
 import { painting } from "./colours.js";
 import type { Births, ColourMode, Legend, ModelPalette } from "./colours.js";
-import { FieldView } from "./fields.js";
+import { FieldView, fieldBox } from "./fields.js";
 import type { Field, FieldLook } from "./fields.js";
 import { GpuClock, onNextFrame } from "./frames.js";
 import { boundsOf, pick } from "./measures.js";
@@ -170,8 +170,12 @@ export class View {
 
   /** Shows a field of the environment; null: none. */
   showField(field: Field | null, look: FieldLook): void {
+    const isOther = field !== null && field.name !== this.field?.name;
     this.field = field;
     this.lookAtField(look);
+    if (isOther) {
+      this.fit(); // soil lies below the plant, where nobody looks
+    }
   }
 
   lookAtField(look: FieldLook): void {
@@ -338,9 +342,14 @@ export class View {
     this.draw();
   }
 
-  /** Of the plants of this view and of the one beside it. */
+  /** Of the plants of this view and of the one beside it, and of a field that is shown, as far as it is near the plants. */
   private get wholeBounds(): Box3 {
-    return this.partner ? this.bounds.clone().union(this.partner.bounds) : this.bounds;
+    const plants = this.partner ? this.bounds.clone().union(this.partner.bounds) : this.bounds;
+    if (!this.field || plants.isEmpty()) {
+      return plants;
+    }
+    const near = plants.clone().expandByScalar(plants.getSize(new Vector3()).length());
+    return fieldBox(this.field).intersect(near).union(plants);
   }
 
   /** Places the camera so that the whole box is visible; it keeps its direction. */
