@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <span>
 #include <vector>
 
+#include "engine/turtle/environment_process.h"
 #include "engine/turtle/export/exporters.h"
+#include "engine/turtle/field.h"
+#include "environment/output/field_output.h"
 #include "protocol/codec.h"
 #include "server/remote/models/gallery.h"
 #include "server/running/simulation_trace.h"
@@ -17,6 +21,7 @@ namespace {
 constexpr std::string_view kRoot = "/simulations";
 constexpr std::string_view kGallery = "/gallery/";
 constexpr std::string_view kSnapshotSuffix = ".snapshot";
+constexpr std::string_view kFieldSuffix = ".vti";
 constexpr std::string_view kBytes = "application/octet-stream";
 
 /// The download was larger than it may be.
@@ -119,6 +124,49 @@ HttpPage exportPage(const simulation::Simulation& simulation, const std::string&
   return filePage(sink.take(), name);
 }
 
+std::vector<turtle::Field> fieldsOf(simulation::Simulation& simulation) {
+  return simulation.environment() == nullptr ? std::vector<turtle::Field>{} : simulation.environment()->fields();
+}
+
+/// What the environment holds in space, without the values.
+HttpPage fieldsPage(simulation::Simulation& simulation) {
+  protocol::JsonWriter json;
+  json.beginObject().key("step").integer(simulation.completedSteps()).key("fields").beginArray();
+  const auto triple = [&json](double x, double y, double z) {
+    json.beginArray().number(x).number(y).number(z).endArray();
+  };
+  for (const turtle::Field& field : fieldsOf(simulation)) {
+    const environment::FieldSummary summary = environment::summaryOf(field);
+    json.beginObject().key("name").text(field.name).key("unit").text(field.unit).key("cells").beginArray();
+    for (const std::size_t count : field.cells) {
+      json.integer(std::uint64_t{count});
+    }
+    json.endArray().key("position");
+    triple(field.position.x, field.position.y, field.position.z);
+    json.key("cellSize");
+    triple(field.cellSize.x, field.cellSize.y, field.cellSize.z);
+    json.key("least").number(summary.minimum).key("greatest").number(summary.maximum).endObject();
+  }
+  return {200, "application/json", json.endArray().endObject().take() + "\n", {}};
+}
+
+HttpPage fieldPage(simulation::Simulation& simulation, const std::string& file, BoundedSink& sink) {
+  const std::vector<turtle::Field> fields = fieldsOf(simulation);
+  const std::string_view name = std::string_view(file).substr(0, file.size() - kFieldSuffix.size());
+  const auto found =
+      std::find_if(fields.begin(), fields.end(), [name](const turtle::Field& field) { return field.name == name; });
+  if (found == fields.end()) {
+    std::string known;
+    for (const turtle::Field& field : fields) {
+      known += (known.empty() ? "" : ", ") + field.name;
+    }
+    return problemPage(404, "The environment has no field '" + std::string(name) +
+                                "'. Its fields: " + (known.empty() ? "none" : known) + ".");
+  }
+  sink.write(environment::writeVti(std::span(&*found, 1)));
+  return filePage(sink.take(), file);
+}
+
 /// The page, on a worker that owns the simulation.
 HttpPage pageFor(SimulationRunner& runner, const DownloadPath& path, std::uint64_t bound) {
   HostedSimulation& hosted = runner.hosted();
@@ -140,6 +188,10 @@ HttpPage pageFor(SimulationRunner& runner, const DownloadPath& path, std::uint64
                    : problemPage(404, "This simulation has no trace " + path.name +
                                           ", or the trace is larger than blockBytes.");
     }
+    case DownloadPath::Kind::Fields:
+      return fieldsPage(hosted.simulation());
+    case DownloadPath::Kind::Field:
+      return fieldPage(hosted.simulation(), path.name, sink);
     case DownloadPath::Kind::List:
     case DownloadPath::Kind::Picture:
       break;
@@ -177,6 +229,9 @@ std::optional<std::vector<std::string>> partsOf(std::string_view rest) {
 }
 
 std::optional<DownloadPath> simulationPathOf(const std::vector<std::string>& parts) {
+  if (parts.size() == 2 && parts[1] == "fields") {
+    return DownloadPath{DownloadPath::Kind::Fields, parts[0], ""};
+  }
   if (parts.size() == 2) {
     const bool isSnapshot = parts[1].ends_with(kSnapshotSuffix);
     return DownloadPath{isSnapshot ? DownloadPath::Kind::Snapshot : DownloadPath::Kind::Export, parts[0], parts[1]};
@@ -185,6 +240,9 @@ std::optional<DownloadPath> simulationPathOf(const std::vector<std::string>& par
     return std::nullopt;
   }
   const bool isNumber = std::all_of(parts[2].begin(), parts[2].end(), [](char c) { return c >= '0' && c <= '9'; });
+  if (parts[1] == "fields" && parts[2].size() > kFieldSuffix.size() && parts[2].ends_with(kFieldSuffix)) {
+    return DownloadPath{DownloadPath::Kind::Field, parts[0], parts[2]};
+  }
   if (parts[1] == "checkpoints") {
     return DownloadPath{DownloadPath::Kind::Checkpoint, parts[0], parts[2]};
   }

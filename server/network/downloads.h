@@ -15,12 +15,12 @@ namespace espalier::server {
 
 /// The thing that the path of a download names: `/simulations` (a list), `/simulations/ID/NAME.SUFFIX` (an export in
 /// the format of the suffix, or the `.snapshot`), `/simulations/ID/checkpoints/NAME`, `/simulations/ID/traces/NUMBER`,
-/// `/gallery/NAME/FILE.png`.
+/// `/simulations/ID/fields` (a list), `/simulations/ID/fields/NAME.vti`, `/gallery/NAME/FILE.png`.
 struct DownloadPath {
-  enum class Kind { List, Export, Snapshot, Checkpoint, Trace, Picture };
+  enum class Kind { List, Export, Snapshot, Checkpoint, Trace, Picture, Fields, Field };
   Kind kind = Kind::List;
   std::string simulation;  // or the folder of a picture
-  std::string name;        // of the export, checkpoint or picture, or the number of the trace
+  std::string name;        // of the export, checkpoint, picture or field, or the number of the trace
 };
 
 /// The path of a target without its query, percent-decoded; nothing when it is not the path of a download.

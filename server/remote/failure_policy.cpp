@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "engine/turtle/field.h"
+
 namespace espalier::server {
 namespace {
 
@@ -66,6 +68,7 @@ class PolicyProcess final : public turtle::EnvironmentProcess {
     return fallback_ != nullptr ? fallback_->tick(step) : std::nullopt;
   }
 
+  [[nodiscard]] std::vector<turtle::Field> fields() const override { return process_->fields(); }
   // the length of the environment's state, a colon, its state, the fallback's
   [[nodiscard]] std::string save() const override {
     const std::string own = process_->save();

@@ -1,5 +1,7 @@
 #include "server/stream/query_recorder.h"
 
+#include "engine/turtle/field.h"
+
 namespace espalier::server {
 namespace {
 
@@ -23,6 +25,7 @@ class RecordedProcess final : public turtle::EnvironmentProcess {
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t step) override {
     return process_->tick(step);
   }
+  [[nodiscard]] std::vector<turtle::Field> fields() const override { return process_->fields(); }
   [[nodiscard]] std::string save() const override { return process_->save(); }
   [[nodiscard]] std::optional<turtle::EnvironmentError> restore(std::string_view state) override {
     return process_->restore(state);

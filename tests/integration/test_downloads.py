@@ -76,6 +76,34 @@ class Downloads(unittest.TestCase):
             trace.write_bytes(body)
             self.assertRegex(espalier("replay", str(trace)).stdout, r"^\d+ steps with \d+ queries: the same as recorded$")
 
+    def test_fields_of_the_environment(self) -> None:
+        self.serve()
+        soil = {"type": "soil-water", "gridSize": [4, 3, 2], "cellSize": [0.5, 0.25, 0.5], "position": [-1, -0.75, -0.5],
+                "initialHead": -0.5, "rain": [[0, 0.002]], "layers": [[1, 0.045, 0.43, 14.5, 2.68, 7.128]]}
+        with Client(self.server.address) as client:
+            simulation = client.create(MODEL, environment=[soil], seed=1)
+            name = simulation.identifier
+            simulation.step(2)
+            listed = json.loads(self.text(f"/simulations/{name}/fields")[1])
+            self.assertEqual(listed["step"], 2)
+            fields = {one["name"]: one for one in listed["fields"]}
+            water = fields["waterContent"]
+            self.assertEqual((water["cells"], water["position"], water["cellSize"]), ([4, 3, 2], [-1, -0.75, -0.5], [0.5, 0.25, 0.5]))
+            self.assertTrue(0.045 <= water["least"] <= water["greatest"] <= 0.43, water)
+            status, headers, body = self.get(f"/simulations/{name}/fields/waterContent.vti")
+            self.assertEqual((status, headers["Content-Disposition"]), (200, 'attachment; filename="waterContent.vti"'))
+            # the same values, as the command line reads them
+            Path(self.folder, "water.vti").write_bytes(body)
+            table = Path(self.folder, "water.csv")
+            espalier("field", os.path.join(self.folder, "water.vti"), "--field", f"waterContent={table}")
+            row = dict(zip(*[line.split(",") for line in table.read_text(encoding="utf-8").splitlines()[:2]]))
+            least, greatest = (next(float(value) for key, value in row.items() if word in key) for word in ("min", "max"))
+            self.assertEqual((least, greatest), (water["least"], water["greatest"]))
+            status, text = self.text(f"/simulations/{name}/fields/heat.vti")
+            self.assertEqual((status, text[:61]), (404, "The environment has no field 'heat'. Its fields: waterContent"))
+            plain = client.create(MODEL).identifier
+            self.assertEqual(json.loads(self.text(f"/simulations/{plain}/fields")[1])["fields"], [])
+
     def test_what_is_not_there_is_said(self) -> None:
         self.serve()
         with Client(self.server.address) as client:

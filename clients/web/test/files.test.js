@@ -167,3 +167,31 @@ test("a colour changes three bytes of a colour map, and the diffuse part of the 
   assert.deepEqual([...painted.entries()].filter(([i, byte]) => byte !== materials[i]), [[35, 50], [36, 5], [37, 250]]);
   assert.equal(palette.withColour("a.mat", document.binary["a.mat"], 9, [0, 0, 0]), null);
 });
+
+test("a slice of a field has its cells, and the surface of a value is where the field has it", async () => {
+  const { isoSurface, rangeOf, sliceOf } = await load("../view/fields.ts");
+  const cells = [12, 10, 8];
+  const centre = [1.5, 1.25, 1];
+  const values = Float64Array.from({ length: 960 }, (_, i) => Math.hypot(((i % 12) + 0.5) * 0.25 - centre[0], ((Math.floor(i / 12) % 10) + 0.5) * 0.25 - centre[1], (Math.floor(i / 120) + 0.5) * 0.25 - centre[2]));
+  const field = { name: "distance", unit: "m", cells, position: [0, 0, 0], cellSize: [0.25, 0.25, 0.25], values };
+  const corners = isoSurface(field, 0.7);
+  assert.ok(corners.length > 900 && corners.length % 9 === 0);
+  let area = 0;
+  for (let i = 0; i < corners.length; i += 9) {
+    const [a, b, c] = [0, 3, 6].map((k) => [...corners.slice(i + k, i + k + 3)]);
+    for (const point of [a, b, c]) {
+      assert.ok(Math.abs(Math.hypot(...point.map((x, axis) => x - centre[axis])) - 0.7) < 0.03, String(point));
+    }
+    const [u, v] = [b, c].map((point) => point.map((x, axis) => x - a[axis]));
+    area += Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2;
+  }
+  assert.ok(Math.abs(area / (4 * Math.PI * 0.49) - 1) < 0.06, `area ${area}`);
+  // across y, in the middle: z to the right, or x; every value is the field's own
+  const { right, up, width, height, values: found } = sliceOf(field, { axis: 1, place: 0.55, level: null });
+  assert.deepEqual([right, up, width, height], [0, 2, 12, 8]);
+  for (const [i, j] of [[0, 0], [11, 0], [3, 7]]) {
+    assert.equal(found[j * 12 + i], values[i + 12 * (5 + 10 * j)]);
+  }
+  assert.equal(sliceOf(field, { axis: 2, place: 1, level: null }).values[0], values[120 * 7]);
+  assert.deepEqual(rangeOf({ ...field, values: Float64Array.from([NaN, 2, -1]) }), [-1, 2]);
+});

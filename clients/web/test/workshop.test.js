@@ -78,6 +78,40 @@ test("a control point of a surface is dragged: its line of the file changes, and
   await page.close();
 });
 
+test("a field of the environment is shown as a slice and as a surface, and follows the plant", async () => {
+  const page = await open(`${running.address}/#gallery=branch-tiers`);
+  await page.evaluate(() => studio.openDocument({
+    title: "watered", main: "model.l", binary: {}, gallery: null,
+    files: { "model.l": "Lsystem: 1\nderivation length: 3\nAxiom: F(1)A?E(0)\nA > ?E(h) --> F(0.5)A\nendlsystem\n" },
+    environment: [{ type: "soil-water", gridSize: [8, 6, 4], cellSize: [0.25, 0.25, 0.25], position: [-1, -1.5, -0.5], initialHead: -0.5, rain: [[0, 0.002]], layers: [[2, 0.045, 0.43, 14.5, 2.68, 7.128]] }],
+  }));
+  await shown(page);
+  await page.waitForSelector("#field option[value=waterContent]", { state: "attached" });
+  await page.selectOption("#field", "waterContent");
+  await page.waitForFunction(() => studio.view.fieldView.group.children.length === 1);
+  const { fields } = await page.evaluate(async () => (await fetch(`/simulations/${studio.simulation.id}/fields`)).json());
+  const water = fields.find(({ name }) => name === "waterContent");
+  const legend = await page.evaluate(() => studio.view.fieldView.legend);
+  assert.match(legend.title, /^waterContent/);
+  assert.deepEqual([legend.scale.low, legend.scale.high], [water.least, water.greatest]);
+  // the camera sees the soil, which lies below the plant
+  const [left, right, low, high] = await page.evaluate(() => {
+    const { view } = studio;
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => view.controls.target.clone().set(k & 1 ? 1 : -1, k & 2 ? 0 : -1.5, k & 4 ? 0.5 : -0.5).project(view.camera));
+    return [Math.min(...corners.map(({ x }) => x)), Math.max(...corners.map(({ x }) => x)), Math.min(...corners.map(({ y }) => y)), Math.max(...corners.map(({ y }) => y))];
+  });
+  assert.ok(left > -1 && right < 1 && low > -1 && high < 1, String([left, right, low, high]));
+  await page.check("#field-surface");
+  await page.waitForFunction(() => studio.view.fieldView.group.children.length === 2 && studio.view.fieldView.group.children[1].geometry.getAttribute("position").count > 0);
+  await keep(page, "studio-field");
+  // another step, other values
+  await page.evaluate(() => studio.goTo(1));
+  await page.waitForFunction((high) => studio.view.fieldView.legend && studio.view.fieldView.legend.scale.high !== high, legend.scale.high);
+  await page.selectOption("#field", "");
+  await page.waitForFunction(() => studio.view.fieldView.group.children.length === 0);
+  await page.close();
+});
+
 test("no page had an error, or asked for anything that its policy forbids", () => {
   assert.deepEqual(problems, []);
 });

@@ -74,8 +74,39 @@ function dragSolids(studio: Studio, view: View): void {
   }, true);
 }
 
+const AXES = ["x", "y", "z"];
+
+/** A field of the environment: which one, where the slice is, and the surface of one value. */
+function FieldChoice({ studio }: { studio: Studio }) {
+  const { entries, shown, look } = studio.fields;
+  if (entries.length === 0) {
+    return null;
+  }
+  return (
+    <>
+      <select id="field" aria-label="Field of the environment" value={shown} onChange={(event) => { const { value } = event.currentTarget; void studio.act(() => studio.fields.choose(value)); }}>
+        <option value="">no field</option>
+        {entries.map(({ name, unit }) => <option key={name} value={name}>{name}{unit && unit !== "1" ? ` (${unit})` : ""}</option>)}
+      </select>
+      {shown && (
+        <>
+          <label class="chip">slice
+            <select id="field-axis" aria-label="Across the slice" value={look.axis} onChange={(event) => studio.fields.change({ axis: Number(event.currentTarget.value) as 0 })}>
+              {AXES.map((name, axis) => <option key={name} value={axis}>{name}</option>)}
+            </select>
+            <input id="field-place" type="range" min={0} max={1} step={0.01} aria-label="Place of the slice" value={look.place} onInput={(event) => studio.fields.change({ place: event.currentTarget.valueAsNumber })} />
+          </label>
+          {studio.fields.hasDepth && <label class="chip" title="The surface on which the field has one value"><input id="field-surface" type="checkbox" checked={look.level !== null} onChange={(event) => studio.fields.change({ level: event.currentTarget.checked ? 0.5 : null })} />surface
+            {look.level !== null && <input id="field-level" type="range" min={0.02} max={0.98} step={0.02} aria-label="Value of the surface" value={look.level} onInput={(event) => studio.fields.change({ level: event.currentTarget.valueAsNumber })} />}
+          </label>}
+        </>
+      )}
+    </>
+  );
+}
+
 function LegendBox({ studio }: { studio: Studio }) {
-  const legend = studio.view?.legend ?? (studio.extras.areQueriesShown ? studio.view?.surroundings.legend : null);
+  const legend = studio.view?.legend ?? (studio.extras.areQueriesShown ? studio.view?.surroundings.legend : null) ?? studio.view?.fieldView.legend;
   if (!legend) {
     return null;
   }
@@ -148,6 +179,7 @@ export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }
           {studio.statistics.some(({ queries }) => queries > 0) && (
             <label class="chip" title="Where the last step asked the environment, coloured by the answer"><input id="show-queries" type="checkbox" checked={studio.extras.areQueriesShown} onChange={(event) => { const { checked } = event.currentTarget; void studio.act(() => showQueries(studio, checked)); }} />queries</label>
           )}
+          <FieldChoice studio={studio} />
           <IconButton icon="fit" label="Show the whole plant (F)" onClick={() => studio.view!.fit()} />
         </div>
       )}

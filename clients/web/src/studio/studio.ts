@@ -10,6 +10,7 @@ import type { Define, Document } from "./document.js";
 import { Beside } from "./beside.js";
 import type { Growth } from "./beside.js";
 import { Extras } from "./extras.js";
+import { Fields } from "./fields.js";
 import { History } from "./history.js";
 import { folderPalette } from "./palette.js";
 import { readWatched } from "./watched.js";
@@ -55,6 +56,7 @@ export class Studio {
   recording: AbortController | null = null; // of a film
   readonly extras = new Extras(this);
   readonly beside = new Beside(this);
+  readonly fields = new Fields(this);
   held: Promise<void> | null = null; // frames wait for it
   /** Called when there is a connection, and when there is one again. */
   onConnected: () => void = () => {};
@@ -428,6 +430,7 @@ export class Studio {
       this.isFinished = frame.finished;
       this.length = Math.max(this.length, frame.step);
       this.statistics = [...this.statistics.filter(({ step }) => step < frame.step), frame.statistics];
+      void this.fields.refresh().catch((error) => this.fail(error));
       this.changed();
     }
     this.ended(stream);

@@ -23,6 +23,8 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Geometry, GeometryChange, TurtleTable } from "espalier";
 import { painting } from "./colours.js";
 import type { Births, ColourMode, Legend, ModelPalette } from "./colours.js";
+import { FieldView, fieldBox } from "./fields.js";
+import type { Field, FieldLook } from "./fields.js";
 import { GpuClock, onNextFrame } from "./frames.js";
 import { boundsOf, pick } from "./measures.js";
 import { freeObject, texturesOf } from "./objects.js";
@@ -59,6 +61,8 @@ export class View {
   private readonly sky = new HemisphereLight(0xf4f8ff, 0xb7ab92, 1.6);
   private readonly ground: Mesh<CircleGeometry, MeshStandardMaterial>;
   readonly surroundings = new Surroundings();
+  readonly fieldView = new FieldView();
+  private field: Field | null = null;
   private processes: unknown[] = [];
   private readonly tubes = new Tubes();
   private readonly organs = new Organs();
@@ -106,7 +110,7 @@ export class View {
       new MeshStandardMaterial({ roughness: 1, transparent: true, alphaMap: fadeTexture(), depthWrite: false }),
     );
     this.ground.receiveShadow = true;
-    this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.tubes.mesh, this.organs.mesh, this.surroundings.group);
+    this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.tubes.mesh, this.organs.mesh, this.surroundings.group, this.fieldView.group);
     this.camera.position.set(0, 2, 10);
     this.apply(settings);
     new ResizeObserver(() => this.resize()).observe(element);
@@ -161,6 +165,21 @@ export class View {
     const radius = box.isEmpty() ? 1 : Math.max(box.getSize(new Vector3()).length() / 2, 1e-3);
     this.surroundings.group.visible = this.settings.hasSurroundings;
     this.surroundings.show(processes, box.isEmpty() ? new Vector3() : box.getCenter(new Vector3()), radius);
+    this.draw();
+  }
+
+  /** Shows a field of the environment; null: none. */
+  showField(field: Field | null, look: FieldLook): void {
+    const isOther = field !== null && field.name !== this.field?.name;
+    this.field = field;
+    this.lookAtField(look);
+    if (isOther) {
+      this.fit(); // soil lies below the plant, where nobody looks
+    }
+  }
+
+  lookAtField(look: FieldLook): void {
+    this.fieldView.show(this.field, look);
     this.draw();
   }
 
@@ -323,9 +342,14 @@ export class View {
     this.draw();
   }
 
-  /** Of the plants of this view and of the one beside it. */
+  /** Of the plants of this view and of the one beside it, and of a field that is shown, as far as it is near the plants. */
   private get wholeBounds(): Box3 {
-    return this.partner ? this.bounds.clone().union(this.partner.bounds) : this.bounds;
+    const plants = this.partner ? this.bounds.clone().union(this.partner.bounds) : this.bounds;
+    if (!this.field || plants.isEmpty()) {
+      return plants;
+    }
+    const near = plants.clone().expandByScalar(plants.getSize(new Vector3()).length());
+    return fieldBox(this.field).intersect(near).union(plants);
   }
 
   /** Places the camera so that the whole box is visible; it keeps its direction. */
