@@ -34,6 +34,11 @@ namespace espalier::language {
 /// a % b of both operands truncated towards 0; the result has the sign of a, and is never -0. A divisor that truncates
 /// to 0 counts as 1 and sets `dividedByZero`.
 [[nodiscard]] inline double truncateModulo(double a, double b, bool& dividedByZero) {
+  // numbers that are small as integers: the same result without calls of the C library
+  constexpr double kLarge = 2147483648.0;
+  if (std::fabs(a) < kLarge && std::fabs(b) < kLarge && std::fabs(b) >= 1.0) {
+    return static_cast<std::int32_t>(a) % static_cast<std::int32_t>(b);
+  }
   const double divisor = std::trunc(b);
   if (divisor == 0.0) {
     dividedByZero = true;

@@ -58,6 +58,17 @@ std::size_t BatchRewriter::matchNear(const BatchRule& rule, std::span<const std:
   return lane;
 }
 
+/// The nearest neighbours, which are the same for all rules.
+void BatchRewriter::findNeighbours(const BatchGroup& group, std::span<const std::uint32_t> sites) {
+  if (group.looksLeft) {
+    group.keepsModules ? findLeft<true>(sites) : findLeft<false>(sites);
+  }
+  if (group.looksRight) {
+    group.keepsModules ? findRight<true>(sites) : findRight<false>(sites);
+  }
+}
+
+template <bool kKeepsModules>
 void BatchRewriter::findLeft(std::span<const std::uint32_t> sites) {
   const ContextString old = step_.old;
   const std::uint16_t* arity = program_->arity.data();
@@ -66,6 +77,7 @@ void BatchRewriter::findLeft(std::span<const std::uint32_t> sites) {
   const std::uint32_t* const siteOffset = siteOffset_.data();
   ModuleTypeId* const leftType = leftType_.data();
   std::uint64_t* const leftOffset = leftOffset_.data();
+  [[maybe_unused]] std::uint64_t* const leftModule = leftModule_.data();
   const std::uint64_t first = first_;
   const std::uint64_t firstOffset = offset_;
   const ModuleTypeId openBranch = program_->openBranch;
@@ -100,9 +112,13 @@ void BatchRewriter::findLeft(std::span<const std::uint32_t> sites) {
     }
     leftType[site] = found;
     leftOffset[site] = offset;
+    if constexpr (kKeepsModules) {
+      leftModule[site] = module;
+    }
   }
 }
 
+template <bool kKeepsModules>
 void BatchRewriter::findRight(std::span<const std::uint32_t> sites) {
   const ContextString old = step_.old;
   const std::uint16_t* arity = program_->arity.data();
@@ -111,6 +127,7 @@ void BatchRewriter::findRight(std::span<const std::uint32_t> sites) {
   const std::uint32_t* const siteOffset = siteOffset_.data();
   ModuleTypeId* const rightType = rightType_.data();
   std::uint64_t* const rightOffset = rightOffset_.data();
+  [[maybe_unused]] std::uint64_t* const rightModule = rightModule_.data();
   const std::uint64_t first = first_;
   const std::uint64_t firstOffset = offset_;
   for (const std::uint32_t site : sites) {
@@ -138,6 +155,9 @@ void BatchRewriter::findRight(std::span<const std::uint32_t> sites) {
     }
     rightType[site] = found;
     rightOffset[site] = offset;
+    if constexpr (kKeepsModules) {
+      rightModule[site] = module;
+    }
   }
 }
 
@@ -162,27 +182,66 @@ std::size_t BatchRewriter::matchSearched(const BatchRule& rule, std::uint8_t bit
   const std::uint32_t* const siteModule = siteModule_.data();
   const std::uint32_t* const siteOffset = siteOffset_.data();
   const std::uint8_t* const siteBits = siteBits_.data();
-  // the modules where the predecessor stands
+  const std::uint64_t first = first_;
+  const std::uint64_t firstOffset = offset_;
+  // the modules where the predecessor stands, and the nearest neighbours that are known
+  const bool startsLeft = rule.startsLeft;
+  const bool startsRight = rule.startsRight;
+  const ModuleTypeId left = startsLeft ? production.leftContext[0].module.type : core::kNoModuleType;
+  const ModuleTypeId right = startsRight ? production.rightContext[0].module.type : core::kNoModuleType;
+  const ModuleTypeId* const leftType = leftType_.data();
+  const ModuleTypeId* const rightType = rightType_.data();
   std::size_t count = 0;
   for (const std::uint32_t site : sites) {
-    const std::uint64_t module = first_ + siteModule[site];
     laneSite[count] = site;
-    count += (siteBits[site] & bit) != 0 && (length == 1 || standsAt(production, module)) ? 1 : 0;
+    const bool isNearLeft = !startsLeft || leftType[site] == left;
+    const bool isNearRight = !startsRight || rightType[site] == right;
+    count += ((siteBits[site] & bit) != 0) & isNearLeft & isNearRight ? 1 : 0;
+  }
+  if (length > 1) {
+    const auto end = std::remove_if(laneSite, laneSite + count, [&](std::uint32_t site) {
+      return !standsAt(production, first + siteModule[site]);
+    });
+    count = static_cast<std::size_t>(end - laneSite);
   }
   contexts_.begin(count, rowSize);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    contexts_.move(i, first_ + siteModule[laneSite[i]] + length, offset_ + siteOffset[laneSite[i]] + ownParameters);
-  }
-  // the contexts
   const std::size_t firstRow = rowsUsed_;
   rowsUsed_ += count * rowSize;
   rows_.resize(std::max(rows_.size(), rowsUsed_));
-  contexts_.findRight(step_.old, production.rightContext, leftCount, rows_.data() + firstRow);
-  if (leftCount > 0) {
-    for (const std::uint32_t search : contexts_.found()) {
-      contexts_.move(search, first_ + siteModule[laneSite[search]], offset_ + siteOffset[laneSite[search]]);
+  std::uint64_t* const rows = rows_.data() + firstRow;
+  // the contexts
+  const std::span<const language::ContextElement> rightContext = production.rightContext;
+  if (startsRight) {
+    const std::uint64_t behind = program_->arity[right];
+    const std::uint64_t* const rightOffset = rightOffset_.data();
+    const std::uint64_t* const rightModule = rightModule_.data();
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t site = laneSite[i];
+      rows[i * rowSize + leftCount] = rightOffset[site];
+      contexts_.move(i, rightModule[site] + 1, rightOffset[site] + behind);
     }
-    contexts_.findLeft(step_.old, production.leftContext, 0, rows_.data() + firstRow);
+    contexts_.findRight(step_.old, rightContext.subspan(1), leftCount + 1, rows);
+  } else if (!rightContext.empty()) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t site = laneSite[i];
+      contexts_.move(i, first + siteModule[site] + length, firstOffset + siteOffset[site] + ownParameters);
+    }
+    contexts_.findRight(step_.old, rightContext, leftCount, rows);
+  }
+  const std::span<const language::ContextElement> leftContext = production.leftContext;
+  if (startsLeft) {
+    for (const std::uint32_t search : contexts_.found()) {
+      const std::uint32_t site = laneSite[search];
+      rows[search * rowSize] = leftOffset_[site];
+      contexts_.move(search, leftModule_[site], leftOffset_[site]);
+    }
+    contexts_.findLeft(step_.old, leftContext.subspan(1), 1, rows);
+  } else if (!leftContext.empty()) {
+    for (const std::uint32_t search : contexts_.found()) {
+      const std::uint32_t site = laneSite[search];
+      contexts_.move(search, first + siteModule[site], firstOffset + siteOffset[site]);
+    }
+    contexts_.findLeft(step_.old, leftContext, 0, rows);
   }
   if (rule.keepsPlaces) {
     std::uint64_t* const siteRow = siteRow_.data();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace espalier::derivation {
@@ -209,6 +210,9 @@ bool BatchPlan::planGroup(const language::Program& program, const language::LSys
   }
   group.isLight = !isDecomposition_ && isLight(plan, plan[type]);
   sharePlaces(group);
+  if (!rules.isRing()) {
+    startNear(group);
+  }
   findThresholds(group);
   largestRuleCount_ = std::max<std::size_t>(largestRuleCount_, made.size());
   classes_[type] = Class::Group;
@@ -399,6 +403,31 @@ void BatchPlan::sharePlaces(const BatchGroup& group) {
       searched = &rule;
     }
   }
+}
+
+/// Two rules whose searches begin at the nearest module on a side need it once.
+void BatchPlan::startNear(BatchGroup& group) {
+  const auto decide = [&](bool& looks, bool BatchRule::*starts, std::vector<ContextElement> Production::*context) {
+    std::size_t count = looks ? 1 : 0;
+    const auto canStart = [&](const BatchRule& rule) {
+      const std::vector<ContextElement>& elements = rule.production->*context;
+      return rule.context == BatchRule::Context::Searched && !rule.sharesPlaces &&
+             rule.production->predecessor.size() == 1 && !elements.empty() &&
+             elements[0].kind == ContextElement::Kind::Module;
+    };
+    const std::span<BatchRule> rules(rules_.data() + group.firstRule, group.ruleCount);
+    count += static_cast<std::size_t>(std::count_if(rules.begin(), rules.end(), canStart));
+    if (count < 2) {
+      return;
+    }
+    for (BatchRule& rule : rules) {
+      rule.*starts = canStart(rule);
+      looks = looks || rule.*starts;
+      group.keepsModules = group.keepsModules || rule.*starts;
+    }
+  };
+  decide(group.looksLeft, &BatchRule::startsLeft, &Production::leftContext);
+  decide(group.looksRight, &BatchRule::startsRight, &Production::rightContext);
 }
 
 void BatchPlan::findThresholds(BatchGroup& group) const {

@@ -57,16 +57,19 @@ struct BatchRule {
   bool hasBehind = false;           // `behind` does something
   bool keepsPlaces = false;         // Searched: a later rule of the group has the same contexts
   bool sharesPlaces = false;        // Searched: an earlier rule has searched, and found the same places
+  bool startsLeft = false;          // Searched: the group looks left, and the search goes on behind that module
+  bool startsRight = false;         // Searched: the same on the right
 };
 
 /// The productions of one module type.
 struct BatchGroup {
   std::uint32_t firstRule = 0;  // in BatchPlan::rules
   std::uint32_t ruleCount = 0;
-  bool isWeighted = false;  // one is chosen by weight, else the first that matches
-  bool looksLeft = false;   // a rule has a Near context on the left
-  bool looksRight = false;  // or on the right
-  bool isLight = false;     // the PlainScan is faster: a quick condition, another size, constant parameters
+  bool isWeighted = false;    // one is chosen by weight, else the first that matches
+  bool looksLeft = false;     // the nearest module on the left is found for all rules at once
+  bool looksRight = false;    // and on the right
+  bool keepsModules = false;  // with its place in the string, because a rule has startsLeft or startsRight
+  bool isLight = false;       // the PlainScan is faster: a quick condition, another size, constant parameters
   bool hasThresholds = false;
   /// When only constant weights decide: rule k is chosen when exactly k thresholds are greater than the module's draw
   /// word (ruleCount - 1).
@@ -170,6 +173,7 @@ class BatchPlan {
   void addBlock(const std::vector<core::ModuleTypeId>& types, std::uint32_t valueCount, std::uint32_t readModules,
                 std::uint32_t readParameters);
   void sharePlaces(const BatchGroup& group);
+  void startNear(BatchGroup& group);
   void findThresholds(BatchGroup& group) const;
   [[nodiscard]] bool isLight(const ProductionPlan& plan, const TypePlan& typePlan) const;
   void makePairs(const language::Program& program, const ContextRules& rules);

@@ -63,6 +63,8 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       rightType_(kChunkModules),
       leftOffset_(kChunkModules),
       rightOffset_(kChunkModules),
+      leftModule_(kChunkModules),
+      rightModule_(kChunkModules),
       contexts_(program, rules, kChunkModules),
       siteRow_(kChunkModules),
       keptLocals_(2 * kChunkModules * plan.largestKeptCount()),
@@ -211,22 +213,29 @@ void BatchRewriter::collectSites() {
 }
 
 void BatchRewriter::dropPairs() {
-  const ModuleTypeId* types = step_.old.types;
-  const std::uint8_t* leftBits = plan_->leftBits();
-  const std::uint8_t* rightBits = plan_->rightBits();
+  // local pointers: to the compiler every write of a byte may change a member, which it then reads again
+  const ModuleTypeId* const types = step_.old.types + first_;
+  const std::uint8_t* const leftBits = plan_->leftBits();
+  const std::uint8_t* const rightBits = plan_->rightBits();
   const std::size_t stride = plan_->pairStride();
+  std::uint32_t* const siteModule = siteModule_.data();
+  std::uint32_t* const siteOffset = siteOffset_.data();
+  std::uint8_t* const siteBits = siteBits_.data();
+  const std::size_t siteCount = siteCount_;
+  const bool isAtBegin = first_ == 0;
+  const std::uint64_t last = step_.old.size - first_ - 1;
   // beyond the ends of the string every type is possible
   const auto unknown = static_cast<std::size_t>(program_->moduleTypeCount());
   std::size_t kept = 0;
-  for (std::size_t site = 0; site < siteCount_; ++site) {
-    const std::uint64_t module = first_ + siteModule_[site];
+  for (std::size_t site = 0; site < siteCount; ++site) {
+    const std::uint32_t module = siteModule[site];
     const std::size_t type = types[module];
-    const std::size_t before = module == 0 ? unknown : types[module - 1];
-    const std::size_t behind = module + 1 == step_.old.size ? unknown : types[module + 1];
+    const std::size_t before = isAtBegin && module == 0 ? unknown : *(types + module - 1);
+    const std::size_t behind = module == last ? unknown : types[module + 1];
     const auto bits = static_cast<std::uint8_t>(leftBits[before * stride + type] & rightBits[type * stride + behind]);
-    siteModule_[kept] = siteModule_[site];
-    siteOffset_[kept] = siteOffset_[site];
-    siteBits_[kept] = bits;
+    siteModule[kept] = module;
+    siteOffset[kept] = siteOffset[site];
+    siteBits[kept] = bits;
     kept += bits != 0 ? 1 : 0;
   }
   siteCount_ = kept;
@@ -306,13 +315,7 @@ void BatchRewriter::sortSites() {
 
 void BatchRewriter::chooseGroup(const BatchGroup& group, std::span<const std::uint32_t> sites) {
   lightSites_ += group.isLight ? sites.size() : 0;
-  // the neighbours are the same for all rules
-  if (group.looksLeft) {
-    findLeft(sites);
-  }
-  if (group.looksRight) {
-    findRight(sites);
-  }
+  findNeighbours(group, sites);
   if (!group.isWeighted) {
     chooseFirst(group, sites);
   } else if (group.hasThresholds) {

@@ -100,8 +100,11 @@ class BatchRewriter {
   std::size_t match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites);
   template <bool kLooksLeft, bool kLooksRight>
   std::size_t matchNear(const BatchRule& rule, std::span<const std::uint32_t> sites);
+  template <bool kKeepsModules>
   void findLeft(std::span<const std::uint32_t> sites);
+  template <bool kKeepsModules>
   void findRight(std::span<const std::uint32_t> sites);
+  void findNeighbours(const BatchGroup& group, std::span<const std::uint32_t> sites);
   std::size_t matchSearched(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites);
   [[nodiscard]] bool standsAt(const language::Production& production, std::uint64_t module) const;
   std::size_t keepWhereTrue(const BatchRule& rule, std::size_t count);
@@ -173,6 +176,8 @@ class BatchRewriter {
   Scratch<core::ModuleTypeId> rightType_;
   Scratch<std::uint64_t> leftOffset_;  // by site: its parameters
   Scratch<std::uint64_t> rightOffset_;
+  Scratch<std::uint64_t> leftModule_;  // by site: its place in the string, for BatchGroup::keepsModules
+  Scratch<std::uint64_t> rightModule_;
   ContextColumns contexts_;
   Scratch<std::uint64_t> siteRow_;   // by site: what the last rule that keeps its places has found, or kNoRow
   std::vector<std::uint64_t> rows_;  // of context searches: where the parameters of each element begin

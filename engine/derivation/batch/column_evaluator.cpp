@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 #include <optional>
 
 #include "engine/derivation/expressions/array_element.h"
@@ -279,6 +280,18 @@ void ColumnEvaluator::run(const ColumnInstruction& instruction) {
       }
       return;
     }
+    case Operation::Modulo:
+      if (mask_ == nullptr) {
+        takeRemainders(instruction, target, a, b);
+      } else {
+        runOneByOne(instruction, target, a, b);
+      }
+      return;
+    case Operation::LoadElement:
+      if (!loadElements(instruction, target)) {
+        runOneByOne(instruction, target, a, b);
+      }
+      return;
     default:
       runOneByOne(instruction, target, a, b);
       return;
@@ -304,6 +317,16 @@ void ColumnEvaluator::divide(const ColumnInstruction& instruction, double* targe
     forEach(target, a, b, lanes_.count, [](double x, double y) { return x / (y == 0.0 ? 1.0 : y); });
   } else {
     forEach(target, a, b, lanes_.count, [](double x, double y) { return x / y; });
+  }
+}
+
+void ColumnEvaluator::takeRemainders(const ColumnInstruction& instruction, double* target, const ColumnValue& a,
+                                     const ColumnValue& b) {
+  bool dividesByZero = false;
+  forEach(target, a, b, lanes_.count,
+          [&](double x, double y) { return language::truncateModulo(x, y, dividesByZero); });
+  if (dividesByZero) {
+    noteWarning(instruction.instruction);
   }
 }
 
@@ -347,6 +370,39 @@ void ColumnEvaluator::raise(double* target, const ColumnValue& a, const ColumnVa
       target[i] = power(at(a, i), at(b, i));
     }
   }
+}
+
+/// The elements of an array, when no lane has a subscript outside. Otherwise nothing is done: false.
+bool ColumnEvaluator::loadElements(const ColumnInstruction& instruction, double* target) {
+  const language::ArrayVariable& variable = program_->systems.front().arrays[instruction.function];
+  std::array<std::uint32_t, kLanes> places;
+  std::fill_n(places.begin(), lanes_.count, variable.firstElement);
+  std::uint32_t step = 1;  // between two elements of the present dimension
+  for (std::size_t i = variable.dimensions.size(); i > 0; --i) {
+    const std::uint32_t size = variable.dimensions[i - 1];
+    if (size > std::uint32_t{std::numeric_limits<std::int32_t>::max()}) {
+      return false;
+    }
+    if (i <= instruction.count) {
+      const ColumnValue subscript = operand(instruction.operands[i - 1]);
+      std::size_t inside = 0;
+      for (std::size_t lane = 0; lane < lanes_.count; ++lane) {
+        const double value = at(subscript, lane);
+        // what truncates to 0 is inside, too
+        const bool isInside = value > -1.0 && value < static_cast<double>(size);
+        places[lane] += step * static_cast<std::uint32_t>(static_cast<std::int32_t>(isInside ? value : 0.0));
+        inside += isInside || !isActive(lane) ? 1 : 0;
+      }
+      if (inside < lanes_.count) {
+        return false;
+      }
+    }
+    step *= size;
+  }
+  for (std::size_t lane = 0; lane < lanes_.count; ++lane) {
+    target[lane] = inputs_.elements[places[lane]];
+  }
+  return true;
 }
 
 double ColumnEvaluator::element(const ColumnInstruction& instruction, std::span<const double> subscripts) {

@@ -98,10 +98,12 @@ class ColumnEvaluator {
   void run(const ColumnInstruction& instruction);
   void runOneByOne(const ColumnInstruction& instruction, double* target, const ColumnValue& a, const ColumnValue& b);
   void divide(const ColumnInstruction& instruction, double* target, const ColumnValue& a, const ColumnValue& b);
+  void takeRemainders(const ColumnInstruction& instruction, double* target, const ColumnValue& a, const ColumnValue& b);
   void move(const ColumnInstruction& instruction, double* target, const ColumnValue& from);
   [[nodiscard]] double power(double x, double y);
   void raise(double* target, const ColumnValue& a, const ColumnValue& b);
   [[nodiscard]] double draw(language::Function function, std::span<const double> arguments, std::size_t lane);
+  [[nodiscard]] bool loadElements(const ColumnInstruction& instruction, double* target);
   [[nodiscard]] double element(const ColumnInstruction& instruction, std::span<const double> subscripts);
   void noteWarning(std::uint32_t instruction) { isUnusual_ = isUnusual_ || inputs_.hasWarned[instruction] == 0; }
   [[nodiscard]] bool isActive(std::size_t lane) const { return mask_ == nullptr || mask_[lane] != 0; }

@@ -11,8 +11,7 @@ ContextColumns::ContextColumns(const language::Program& program, const ContextRu
       areBracketsSeen_(!rules.isRing() && !rules.isIgnored(program.openBranch) &&
                        !rules.isIgnored(program.closeBranch)),
       found_(laneCount),
-      modules_(laneCount),
-      offsets_(laneCount),
+      places_(laneCount),
       branches_(laneCount),
       insides_(laneCount) {
   for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
@@ -47,15 +46,14 @@ void ContextColumns::findLeftOf(const ContextString& string, ModuleTypeId sought
   const std::uint8_t* const traits = rules_->traits();
   const ModuleTypeId openBranch = program_->openBranch;
   std::uint32_t* const alive = found_.data();
-  std::uint64_t* const modules = modules_.data();
-  std::uint64_t* const offsets = offsets_.data();
+  Place* const ends = places_.data();
   const std::size_t rowSize = rowSize_;
   const std::size_t count = foundCount_;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t search = alive[i];
-    std::uint64_t module = modules[search];
-    std::uint64_t offset = offsets[search];
+    std::uint64_t module = ends[search].module;
+    std::uint64_t offset = ends[search].offset;
     ModuleTypeId found = core::kNoModuleType;
     // without a bound, the search would never end in a ring of ignored modules
     [[maybe_unused]] std::uint64_t remaining = string.size + 1;
@@ -96,8 +94,7 @@ void ContextColumns::findLeftOf(const ContextString& string, ModuleTypeId sought
       }
     }
     places[search * rowSize] = offset;
-    modules[search] = module;
-    offsets[search] = offset;
+    ends[search] = {module, offset};
     alive[kept] = search;
     kept += found == sought ? 1 : 0;
   }
@@ -112,54 +109,67 @@ void ContextColumns::findRight(const ContextString& string, std::span<const Cont
     const bool isBranchEnd = element.kind == ContextElement::Kind::SkipToBranchEnd;
     const bool entersBranch = element.kind == ContextElement::Kind::OpenBranch;
     if (isBranchEnd && isEntered) {
-      moveToBranchEnds(string);
+      moveToBranchEnds(string, places + firstElement + i);
+      continue;
     }
     const Move* const moves = (isBranchEnd ? atBranchEnd_ : entersBranch ? atBranch_ : atModule_).data();
     const ModuleTypeId sought = isBranchEnd ? core::kNoModuleType : element.module.type;
-    rules_->isRing() ? findRightOf<true>(string, moves, sought, places + firstElement + i)
-                     : findRightOf<false>(string, moves, sought, places + firstElement + i);
+    findRightOf(string, moves, sought, places + firstElement + i);
     if (!isBranchEnd && (sought == program_->openBranch || sought == program_->closeBranch)) {
       isEntered = entersBranch && areBracketsSeen_;
     }
   }
 }
 
-void ContextColumns::moveToBranchEnds(const ContextString& string) {
-  for (const std::uint32_t search : found()) {
+void ContextColumns::moveToBranchEnds(const ContextString& string, std::uint64_t* places) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < foundCount_; ++i) {
+    const std::uint32_t search = found_[i];
+    // a bracket without partner has no end
     const StringIndex::Link link = string.index->link(branches_[search]);
-    if (link.partner != StringIndex::kNone) {
-      move(search, link.partner, insides_[search] + link.parameterCount);
-    }
+    const std::uint64_t offset = insides_[search] + link.parameterCount;
+    places[search * rowSize_] = offset;
+    move(search, link.partner, offset);
+    found_[kept] = search;
+    kept += link.partner != StringIndex::kNone ? 1 : 0;
+  }
+  foundCount_ = kept;
+}
+
+void ContextColumns::findRightOf(const ContextString& string, const Move* moves, ModuleTypeId sought,
+                                 std::uint64_t* places) {
+  if (sought == program_->openBranch) {
+    rules_->isRing() ? findRightOf<true, true>(string, moves, sought, places)
+                     : findRightOf<false, true>(string, moves, sought, places);
+  } else {
+    rules_->isRing() ? findRightOf<true, false>(string, moves, sought, places)
+                     : findRightOf<false, false>(string, moves, sought, places);
   }
 }
 
-template <bool kIsRing>
+template <bool kIsRing, bool kNotesBranches>
 void ContextColumns::findRightOf(const ContextString& string, const Move* moves, ModuleTypeId sought,
                                  std::uint64_t* places) {
   const ModuleTypeId* const types = string.types;
   const std::uint16_t* const arity = program_->arity.data();
-  const bool isAnyStopRight = sought == core::kNoModuleType;
-  const bool isOpen = sought == program_->openBranch;
-  // the end of a branch is reached, not passed
-  const std::uint64_t step = isAnyStopRight ? 0 : 1;
-  const std::uint64_t behind = isAnyStopRight ? 0 : arity[sought];
   const std::uint64_t size = string.size;
+  // the end of a branch is any module that stops; it is reached, not passed
+  const bool isBranchEnd = sought == core::kNoModuleType;
+  const std::uint64_t step = isBranchEnd ? 0 : 1;
+  const std::uint64_t behind = isBranchEnd ? 0 : arity[sought];
   std::uint32_t* const alive = found_.data();
-  std::uint64_t* const modules = modules_.data();
-  std::uint64_t* const offsets = offsets_.data();
-  std::uint64_t* const branches = branches_.data();
-  std::uint64_t* const insides = insides_.data();
+  Place* const ends = places_.data();
   const std::size_t rowSize = rowSize_;
   const std::size_t count = foundCount_;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t search = alive[i];
-    std::uint64_t module = modules[search];
-    std::uint64_t offset = offsets[search];
+    std::uint64_t module = ends[search].module;
+    std::uint64_t offset = ends[search].offset;
     bool isFound = false;
     [[maybe_unused]] std::uint64_t remaining = size + 1;
     while (true) {
-      if (module >= size) {
+      if (module >= size) [[unlikely]] {
         if (!kIsRing || size == 0) {
           break;
         }
@@ -172,7 +182,7 @@ void ContextColumns::findRightOf(const ContextString& string, const Move* moves,
       const ModuleTypeId type = types[module];
       const Move move = moves[type];
       if (move == Move::Stop) [[likely]] {
-        isFound = isAnyStopRight || type == sought;
+        isFound = isBranchEnd | (type == sought);
         break;
       }
       if (move == Move::Pass) {
@@ -188,11 +198,10 @@ void ContextColumns::findRightOf(const ContextString& string, const Move* moves,
       offset += link.parameterCount;
     }
     places[search * rowSize] = offset;
-    modules[search] = module + step;
-    offsets[search] = offset + behind;
-    if (isOpen) {
-      branches[search] = module;
-      insides[search] = offset + behind;
+    ends[search] = {module + step, offset + behind};
+    if constexpr (kNotesBranches) {
+      branches_[search] = module;
+      insides_[search] = offset + behind;
     }
     alive[kept] = search;
     kept += isFound ? 1 : 0;

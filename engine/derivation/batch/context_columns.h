@@ -30,10 +30,7 @@ class ContextColumns {
   /// The numbers of the searches that have not failed so far, in their order.
   [[nodiscard]] std::span<const std::uint32_t> found() const { return {found_.data(), foundCount_}; }
   /// A search goes on from a module, whose parameters begin at `offset`. A search to the left looks before it.
-  void move(std::uint32_t search, std::uint64_t module, std::uint64_t offset) {
-    modules_[search] = module;
-    offsets_[search] = offset;
-  }
+  void move(std::uint32_t search, std::uint64_t module, std::uint64_t offset) { places_[search] = {module, offset}; }
 
   /// Searches a context from where the searches stand. Its entries begin at element `firstElement` of each row.
   void findLeft(const ContextString& string, std::span<const language::ContextElement> context,
@@ -42,6 +39,11 @@ class ContextColumns {
                  std::size_t firstElement, std::uint64_t* places);
 
  private:
+  /// A module of the string, and where its parameters begin.
+  struct Place {
+    std::uint64_t module;
+    std::uint64_t offset;
+  };
   /// What a search to the right does at a module.
   enum class Move : std::uint8_t {
     Stop,   // the element's module must be this one
@@ -51,9 +53,11 @@ class ContextColumns {
 
   template <bool kIsRing>
   void findLeftOf(const ContextString& string, core::ModuleTypeId sought, std::uint64_t* places);
-  template <bool kIsRing>
+  /// `kNotesBranches`: the module is a `[`, whose end may be sought later.
+  template <bool kIsRing, bool kNotesBranches>
   void findRightOf(const ContextString& string, const Move* moves, core::ModuleTypeId sought, std::uint64_t* places);
-  void moveToBranchEnds(const ContextString& string);
+  void findRightOf(const ContextString& string, const Move* moves, core::ModuleTypeId sought, std::uint64_t* places);
+  void moveToBranchEnds(const ContextString& string, std::uint64_t* places);
 
   const language::Program* program_;
   const ContextRules* rules_;
@@ -64,8 +68,7 @@ class ContextColumns {
   std::size_t rowSize_ = 0;
   std::size_t foundCount_ = 0;       // that have not failed
   Scratch<std::uint32_t> found_;     // these
-  Scratch<std::uint64_t> modules_;   // by search: the module where it goes on
-  Scratch<std::uint64_t> offsets_;   // by search: its parameters
+  Scratch<Place> places_;            // by search: where it goes on
   Scratch<std::uint64_t> branches_;  // by search: the `[` that the context has entered last
   Scratch<std::uint64_t> insides_;   // by search: the parameters behind it
 };

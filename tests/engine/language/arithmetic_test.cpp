@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace espalier::language {
@@ -30,6 +31,25 @@ TEST(Arithmetic, ModuloTruncatesBothOperandsAndTakesTheSignOfTheLeft) {
   EXPECT_FALSE(dividedByZero);
   EXPECT_EQ(truncateModulo(5.0, 0.5, dividedByZero), 0.0);
   EXPECT_TRUE(dividedByZero);
+}
+
+TEST(Arithmetic, ModuloIsTheRemainderOfTheTruncatedNumbersForLargeAndSmallOnes) {
+  const std::vector<double> numbers{0.0,  -0.0,   0.9,          1.0,          1.9,          3.0,
+                                    7.5,  1000.0, 2147483647.0, 2147483647.5, 2147483648.0, 4294967297.0,
+                                    1e15, 1e300,  std::nan(""), HUGE_VAL};
+  for (const double a : numbers) {
+    for (const double b : numbers) {
+      for (const auto& [x, y] : {std::pair(a, b), std::pair(-a, b), std::pair(a, -b), std::pair(-a, -b)}) {
+        const double divisor = std::trunc(y);
+        const double expected = divisor == 0.0 ? 0.0 : std::fmod(std::trunc(x), divisor) + 0.0;
+        bool dividedByZero = false;
+        const double value = truncateModulo(x, y, dividedByZero);
+        EXPECT_TRUE(value == expected || (std::isnan(value) && std::isnan(expected))) << x << " % " << y;
+        EXPECT_EQ(std::signbit(value) && !std::isnan(value), std::signbit(expected) && !std::isnan(expected));
+        EXPECT_EQ(dividedByZero, divisor == 0.0) << x << " % " << y;
+      }
+    }
+  }
 }
 
 TEST(Arithmetic, OrSkipsWhenTheIntegerIsNoMultipleOf256) {

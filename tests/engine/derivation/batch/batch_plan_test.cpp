@@ -110,6 +110,30 @@ TEST(BatchPlan, RulesWithTheSameContextsShareWhatTheFirstFinds) {
   EXPECT_EQ(sharing("Seed: 1\n", "A A < C(y) --> A : 1\nA A < C(y) --> B(y) : 2\n"), "--");
 }
 
+TEST(BatchPlan, RulesThatBeginAtTheSameNeighbourFindItOnce) {
+  const auto starts = [](const std::string& items, const std::string& productions) {
+    const Planned planned(items, productions);
+    std::string text;
+    for (const BatchRule& rule : planned.plan().rules()) {
+      text += rule.startsLeft ? (rule.startsRight ? 'b' : 'l') : rule.startsRight ? 'r' : '-';
+    }
+    const auto& group = planned.plan().groups().front();
+    return text + (group.looksLeft ? " left" : "") + (group.looksRight ? " right" : "") +
+           (group.keepsModules ? " kept" : "");
+  };
+  const std::string first = "A B(x) < C(y) : x>y --> A\n";
+  EXPECT_EQ(starts("", first), "-");
+  EXPECT_EQ(starts("", first + "B(x)A < C(y) --> B(x)\n"), "ll left kept");
+  EXPECT_EQ(starts("", first + "A < C(y) --> B(y)\n"), "l- left kept");
+  EXPECT_EQ(starts("", first + "B(x)A < C(y) > A A : x>0 --> A\nC(y) > B(x) --> A\n"), "lb- left right kept");
+  EXPECT_EQ(starts("", first + "B(x)A < C(y) > [A=]A --> A\n"), "ll left kept");
+  // the second takes what the first has found, so the neighbour is needed once
+  EXPECT_EQ(starts("", first + "A B(u) < C(v) : u<v --> B(u)\n"), "--");
+  // only predecessors of one module have a nearest neighbour, and a ring has no first one
+  EXPECT_EQ(starts("", "C(y)A > A A : y>1 --> A\nC(y)B(x) > B(x) A : x<1 --> B(x)\n"), "--");
+  EXPECT_EQ(starts("Ring Lsystem\n", first + "B(x)A < C(y) --> B(x)\n"), "--");
+}
+
 TEST(BatchPlan, TheTextOfThePlanSaysHowNeighboursAreFound) {
   const Planned planned("", "A B(x) < C(y) : x>y --> A\nA B(u) < C(v) : u<v --> B(u)\n");
   EXPECT_EQ(

@@ -30,7 +30,8 @@ constexpr double kStep = 3.0;
 class Compared {
  public:
   explicit Compared(const std::string& expression)
-      : model_(modelText("", "A(1,2)", "A(x,y) --> A(" + expression + ",0)\n")),
+      : model_(modelText("Define: { array w[3]={2,4,6}; array g[2][3]={10,11,12,20,21,22}; }\n", "A(1,2)",
+                         "A(x,y) --> A(" + expression + ",0)\n")),
         expression_(model_.program().systems[0].productions.productions[0].expressions[0]) {}
 
   [[nodiscard]] const language::Expression& expression() const { return expression_; }
@@ -57,6 +58,7 @@ class Compared {
     inputs.step = kStep;
     inputs.length = static_cast<double>(model_.state().derivationLength);
     inputs.hasWarned = warned.data();
+    inputs.elements = model_.state().instances.front().elements.data();
     columns.begin(inputs);
     const std::vector<SlotSource> slots{{SlotSource::Kind::Own, 0}, {SlotSource::Kind::Own, 1}};
     columns.setLanes({own.size(), slots.data(), parameters.data(), nullptr, nullptr, own.data(), nullptr, nullptr});
@@ -124,7 +126,13 @@ TEST(ColumnEvaluator, GivesWhatTheEvaluatorGives) {
                            "(x+1)*(y+1)-(x-1)*(y-1)",
                            "x>0 && log(x)>0",
                            "x<0 || sqrt(x)<1",
-                           "x>0 ? log(x) : exp(y)"}) {
+                           "x>0 ? log(x) : exp(y)",
+                           "x%(y>=1 ? y : 2)",
+                           "w[Q%3]",
+                           "w[1]*x",
+                           "w[clamp(x,0-0.9,2.9)]",
+                           "g[y>0][clamp(x,0,2)]",
+                           "x>=0 && x<3 ? w[x] : y"}) {
     SCOPED_TRACE(text);
     Compared compared(text);
     compared.expectEqual();
@@ -134,6 +142,17 @@ TEST(ColumnEvaluator, GivesWhatTheEvaluatorGives) {
 
 TEST(ColumnEvaluator, DivisionsByZeroAreNotedUntilTheyHaveWarned) {
   for (const char* text : {"x/y", "x%y", "mod(x,y)", "x>0 && x/y>1"}) {
+    SCOPED_TRACE(text);
+    Compared compared(text);
+    compared.expectEqual();
+    EXPECT_TRUE(compared.isUnusual());
+    compared.expectEqual(true);
+    EXPECT_FALSE(compared.isUnusual());
+  }
+}
+
+TEST(ColumnEvaluator, SubscriptsOutsideAreNotedUntilTheyHaveWarned) {
+  for (const char* text : {"w[x]", "g[x][1]", "g[1][y]", "w[log(x)]", "x<100 && w[x]>1"}) {
     SCOPED_TRACE(text);
     Compared compared(text);
     compared.expectEqual();

@@ -232,6 +232,28 @@ TEST(Scan, ProductionsWithTheSameContextsFindTheSameNeighbours) {
   }
 }
 
+TEST(Scan, RulesThatBeginAtTheSameNeighbourGoOnFromThere) {
+  // nearest neighbours at both ends of the string, behind branches, behind lone brackets and across chunks
+  std::string axiom = "I(1)]J(2)I(3)";
+  for (int i = 0; i < 900; ++i) {
+    const std::string number = std::to_string(i % 7);
+    axiom += "I(" + number + ")" + (i % 3 == 0 ? "J(" + number + ")" : "") + "[+I(2)" +
+             (i % 5 == 0 ? "[I(" + number + ")]J(1)" : "") + "]J(4)";
+  }
+  axiom += "[I(5)J(1)I(2)";
+  const std::string productions =
+      "J(a) I(b) < I(c) > J(d) : a<c --> I(c+d)\n"
+      "I(a) I(b) < I(c) > J(d) I(e) : b<e+2 --> I(a+0.5*d)\n"
+      "J(a) < I(c) > I(d) J(e) : a+e>2 --> J(c)\n"
+      "I(a) < I(c) > J(d) : a==d --> I(0)I(a)\n"
+      "I(a) J(b) < J(c) > I(d) I(e) : c<9 --> J(a+1)\n"
+      "J(c) > I(d) J(e) [I(f)=] : f<9 --> J(d+f)\n"
+      "I(a) < J(c) > ] : a>1 --> I(c-1)\n";
+  for (const unsigned threads : {1U, 2U}) {
+    expectPlainSteps(test::modelText("ignore: +\n", axiom, productions), threads, 6);
+  }
+}
+
 TEST(Scan, ACutTakesTheRestOfItsBranchAcrossChunks) {
   // parts of one module, of some branches, and longer than a chunk; others begin in a part and have no effect
   std::string axiom;
