@@ -11,7 +11,6 @@
 #include "engine/language/checks/model_queries.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
-#include "environment/output/file_embedding.h"
 #include "environment/published/environment_file.h"
 #include "environment/published/published_environment.h"
 #include "environment/registry.h"
@@ -22,6 +21,7 @@
 #include "server/remote/processes/supervised_process.h"
 #include "server/remote/remote_environment.h"
 #include "server/remote/remote_settings.h"
+#include "server/remote/terrain/terrain_embedding.h"
 
 namespace espalier::command {
 namespace {
@@ -186,7 +186,7 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
   }
   std::vector<environment::EnvironmentEntry>& entries = *parsed;
   for (environment::EnvironmentEntry& entry : entries) {
-    auto problem = environment::embedFiles(entry, file, files);
+    auto problem = server::embedAllFiles(entry, file, files);
     if (problem) {
       printDiagnostics(std::vector{*problem}, false);
       return nullptr;

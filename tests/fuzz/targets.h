@@ -19,6 +19,7 @@ void fuzzTrace(std::string_view bytes);      // a trace, its checksums made righ
 void fuzzString(std::string_view text);      // a bundle of a string and its model: the run begins with the string
 void fuzzMtg(std::string_view text);         // a multiscale tree graph, read into strings
 void fuzzPoints(std::string_view bytes);     // a point cloud: LAS or PLY
+void fuzzTerrain(std::string_view bytes);    // a GeoTIFF of heights
 void fuzzRoots(std::string_view text);       // a root system: RSML, or a table; its model
 
 struct NamedTarget {
@@ -37,6 +38,7 @@ inline constexpr NamedTarget kTargets[] = {
     {"mtg", fuzzMtg},
     {"roots", fuzzRoots},
     {"points", fuzzPoints},
+    {"terrain", fuzzTerrain},
 };
 
 }  // namespace espalier::fuzz

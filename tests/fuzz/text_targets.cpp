@@ -8,6 +8,7 @@
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/export/text/mtg.h"
+#include "server/remote/terrain/geotiff.h"
 #include "tests/fuzz/bundle.h"
 #include "tests/fuzz/small_limits.h"
 #include "tests/fuzz/targets.h"
@@ -55,6 +56,16 @@ void fuzzPoints(std::string_view bytes) {
   ESPALIER_CHECK(cloud->points.size() <= bytes.size() / 5);
   ESPALIER_CHECK(cloud->classes.empty() || cloud->classes.size() == cloud->points.size());
   ESPALIER_CHECK(cloud->returns.empty() || cloud->returns.size() == cloud->points.size());
+}
+
+void fuzzTerrain(std::string_view bytes) {
+  const auto terrain = server::readGeoTiff(bytes);
+  if (!terrain) {
+    ESPALIER_CHECK(!terrain.error().empty());
+    return;
+  }
+  ESPALIER_CHECK(terrain->heights.size() == terrain->rows * terrain->columns);
+  ESPALIER_CHECK(terrain->heights.size() <= server::kMostHeights);
 }
 
 void fuzzRoots(std::string_view text) {

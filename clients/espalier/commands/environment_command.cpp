@@ -8,7 +8,6 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/output/field_writing_process.h"
 #include "environment/environment_entries.h"
-#include "environment/output/file_embedding.h"
 #include "environment/registry.h"
 #include "protocol/codec.h"
 #include "protocol/envelope.h"
@@ -20,6 +19,7 @@
 #include "server/remote/processes/legacy_process.h"
 #include "server/remote/processes/line_channel.h"
 #include "server/remote/processes/plugin_library.h"
+#include "server/remote/terrain/terrain_embedding.h"
 #include "server/remote/trace_file.h"
 #include "server/remote/translation/translate.h"
 
@@ -160,7 +160,7 @@ int runEnvironment(EnvironmentOptions& options) {
     // put the files that the configuration names into it
     environment::EnvironmentEntry entry{options.name, options.name, configuration};
     server::DiskFileProvider files;
-    auto problem = environment::embedFiles(entry, options.configurationFile, files);
+    auto problem = server::embedAllFiles(entry, options.configurationFile, files);
     if (problem) {
       printDiagnostics(std::vector{*problem}, false);
       return kFailure;

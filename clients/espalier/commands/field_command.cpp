@@ -12,6 +12,7 @@
 #include "engine/core/number_text.h"
 #include "environment/output/field_output.h"
 #include "server/remote/disk_files.h"
+#include "server/remote/terrain/terrain_embedding.h"
 
 namespace espalier::command {
 namespace {
@@ -22,7 +23,7 @@ struct FieldOptions {
   bool isQuiet = false;
 };
 
-// the fields of a .vti file, or of a .raw file with its header
+// the fields of a .vti file, of a .raw file with its header, or the heights of a GeoTIFF
 Result<std::vector<turtle::Field>> readFields(const std::string& file) {
   server::DiskFileProvider files;
   const auto content = files.read(file);
@@ -30,7 +31,12 @@ Result<std::vector<turtle::Field>> readFields(const std::string& file) {
     return problem("there is no file '" + file + "': check the name and the working folder");
   }
   const auto located = [&](const std::string& fault) { return file + ": the file " + fault; };
-  if (std::filesystem::path(file).extension() != ".raw") {
+  const std::filesystem::path suffix = std::filesystem::path(file).extension();
+  if (suffix == ".tif" || suffix == ".tiff") {
+    return server::readGeoTiff(*content).map_error(located).map(
+        [](const server::Terrain& terrain) { return std::vector{server::heightsOf(terrain)}; });
+  }
+  if (suffix != ".raw") {
     return environment::readVti(*content).map_error(located);
   }
   const auto header = files.read(file + ".json");
@@ -80,7 +86,10 @@ void addField(CLI::App& program, int& status) {
       "  espalier field water.vti\n"
       "  espalier field water.vti --field waterContent@z=water.png --field waterContent=water.raw");
   auto options = std::make_shared<FieldOptions>();
-  command->add_option("FILE", options->file, "A .vti file (VTK image data), or a .raw file with its header FILE.json")
+  command
+      ->add_option(
+          "FILE", options->file,
+          "A .vti file (VTK image data), a .raw file with its header FILE.json, or a GeoTIFF of heights (.tif)")
       ->required();
   options->outputs.addTo(*command);
   command->add_flag("--quiet", options->isQuiet, "Print only errors");

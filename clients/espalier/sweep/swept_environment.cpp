@@ -6,8 +6,8 @@
 #include "engine/turtle/field.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
-#include "environment/output/file_embedding.h"
 #include "environment/registry.h"
+#include "server/remote/terrain/terrain_embedding.h"
 
 namespace espalier::command {
 namespace {
@@ -97,7 +97,7 @@ Result<std::string> readConfiguration(const std::string& text, const std::string
         (entry.type == "tcp" || entry.type == "stdio" || entry.type == "plugin")) {
       return std::string();
     }
-    auto mistake = environment::embedFiles(entry, file, files);
+    auto mistake = server::embedAllFiles(entry, file, files);
     if (mistake) {
       return problem(file + ": " + mistake->message + (mistake->hint.empty() ? "" : ": " + mistake->hint));
     }

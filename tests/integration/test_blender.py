@@ -1,0 +1,165 @@
+"""The add-on for Blender, in a Blender without a screen: import, growth by frames, live link, and its reader on damaged files."""
+
+import json
+import os
+import random
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import warnings
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+from support import GALLERY, REPOSITORY, espalier, model, program
+
+ADDON = REPOSITORY / "clients" / "blender"
+WALK = REPOSITORY / "tests" / "blender" / "walk.py"
+sys.path.insert(0, str(ADDON / "espalier_blender"))
+
+try:
+    import numpy as np
+except ImportError:
+    np = None  # type: ignore[assignment]
+
+from espalier import Server  # noqa: E402
+
+
+def gltf_of(file: Path) -> Dict[str, Any]:
+    content = file.read_bytes()
+    parsed: Dict[str, Any] = json.loads(content[20:20 + struct.unpack_from("<I", content, 12)[0]])
+    return parsed
+
+
+def counts(file: Path, plant: str) -> Tuple[int, int]:
+    """Vertices and faces of the meshes of a plant that stand once, from the file's own tables."""
+    gltf = gltf_of(file)
+    root = next(node for node in gltf["nodes"] if node.get("name") == plant)
+    parts = [part for child in root["children"] if "extensions" not in gltf["nodes"][child]
+             for part in gltf["meshes"][gltf["nodes"][child]["mesh"]]["primitives"]]
+    return (sum(gltf["accessors"][part["attributes"]["POSITION"]]["count"] for part in parts),
+            sum(gltf["accessors"][part["indices"]]["count"] // 3 for part in parts))
+
+
+@unittest.skipUnless(shutil.which("blender"), "blender is not installed")
+class Blender(unittest.TestCase):
+    saw: Dict[str, Any]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name)
+        archive, result = cls.folder / "addon.zip", cls.folder / "saw.json"
+        subprocess.run([sys.executable, str(ADDON / "make_addon.py"), str(archive)], check=True, timeout=60)
+        cls.leafy, cls.pair = cls.folder / "leafy.glb", cls.folder / "pair.glb"
+        espalier("run", model("textured-tree"), "--steps", "5", "--instancing", "--quiet", "-o", str(cls.leafy))
+        espalier("run", str(GALLERY / "two-trees"), "--steps", "4", "--quiet", "-o", str(cls.pair))
+        espalier("run", str(GALLERY / "two-trees"), "--steps", "3", "--every", "--quiet", "-o", str(cls.folder / "growth-%04d.glb"))
+        (cls.folder / "cut.glb").write_bytes(cls.pair.read_bytes()[:-100])
+        with warnings.catch_warnings(), Server(program(), arguments=["--gallery", str(GALLERY)]) as server, server.connect() as client:
+            warnings.simplefilter("ignore")  # no environment answers these trees
+            simulation = client.create(gallery="two-trees", plants=[(-2, 0, 0), (2, 0, 0)])
+            cls.states: List[Path] = []
+            other = client.create(gallery="two-trees", plants=[(-2, 0, 0), (2, 0, 0)])
+            for step in range(4):
+                cls.states.append(cls.folder / f"state{step}.glb")
+                cls.states[-1].write_bytes(other.geometry())
+                if step < 3:
+                    other.step()
+            done = subprocess.run(
+                ["blender", "-b", "--factory-startup", "--python", str(WALK), "--", str(archive), str(result), str(cls.leafy), str(cls.pair),
+                 str(cls.folder / "growth-0000.glb"), str(cls.folder / "cut.glb"), "--live", server.address, "", simulation.identifier],
+                capture_output=True, text=True, timeout=120, check=False,
+                env={**os.environ, "BLENDER_USER_SCRIPTS": str(cls.folder / "scripts"), "BLENDER_USER_CONFIG": str(cls.folder / "config")})
+        if not result.exists():
+            raise AssertionError(f"Blender ended with {done.returncode}:\n{done.stdout}\n{done.stderr}")
+        cls.saw = json.loads(result.read_text(encoding="utf-8"))
+
+    def test_a_plant_is_one_object_with_materials_and_texture_coordinates(self) -> None:
+        plants = self.saw["files"]["pair.glb"]
+        self.assertEqual([plant["name"] for plant in plants], ["plant_0", "plant_1"])
+        for plant in plants:
+            self.assertEqual((plant["vertices"], plant["faces"]), counts(self.pair, plant["name"]))
+            self.assertEqual((plant["uv"], plant["isValid"]), (1, True))
+            self.assertEqual(plant["used"], list(range(len(plant["materials"]))), "each material is worn")
+        wooden = gltf_of(self.pair)["materials"]
+        for material in wooden:
+            made = self.saw["materials"][f"pair {material['name']}"]
+            for found, expected in zip(made["colour"], material["pbrMetallicRoughness"]["baseColorFactor"], strict=True):
+                self.assertAlmostEqual(found, expected, 6)
+
+    def test_up_is_up_and_places_are_those_of_the_file(self) -> None:
+        gltf = gltf_of(self.pair)
+        branches = gltf["accessors"][gltf["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]
+        plant = self.saw["files"]["pair.glb"][0]
+        self.assertLessEqual(plant["low"][0], branches["min"][0] + 1e-5)
+        self.assertAlmostEqual(plant["low"][2], 0, 5)
+        self.assertGreaterEqual(plant["high"][2] + 1e-5, branches["max"][1])
+
+    def test_repeated_organs_share_one_mesh(self) -> None:
+        plant = self.saw["files"]["leafy.glb"][0]
+        gltf = gltf_of(self.leafy)
+        node = next(node for node in gltf["nodes"] if "extensions" in node)
+        copies = gltf["accessors"][node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"]]
+        faces = sum(gltf["accessors"][part["indices"]]["count"] // 3 for part in gltf["meshes"][node["mesh"]]["primitives"])
+        self.assertEqual((plant["organs"], plant["organMeshes"], plant["organFaces"]), (copies["count"], 1, copies["count"] * faces))
+        # the same leaves written one by one reach as high
+        single = self.folder / "single.glb"
+        espalier("run", model("textured-tree"), "--steps", "5", "--quiet", "-o", str(single))
+        tops = [accessor["max"][1] for accessor in gltf_of(single)["accessors"] if "max" in accessor]
+        self.assertAlmostEqual(max(plant["organHigh"], plant["high"][2]), max(tops), 4)
+        leaf = self.saw["materials"]["leafy leaf"]
+        self.assertIn("ShaderNodeTexImage", leaf["kinds"])
+        self.assertTrue(leaf["pictures"][0][0] > 0 and leaf["pictures"][0][2], "the picture is in the .blend file")
+
+    def test_frames_of_the_scene_are_steps_of_a_series(self) -> None:
+        self.assertEqual(len(self.saw["frames"]), 4)
+        for step, plants in enumerate(self.saw["frames"]):
+            file = self.folder / f"growth-{step:04d}.glb"
+            self.assertEqual([(plant["vertices"], plant["faces"]) for plant in plants], [counts(file, plant["name"]) for plant in plants])
+        self.assertEqual(len({plant["pointer"] for plants in self.saw["frames"] for plant in plants}), 2, "two plants stay two objects")
+
+    def test_a_live_link_shows_each_step_in_the_same_objects(self) -> None:
+        self.assertEqual([step for step, _ in self.saw["live"]], [0, 1, 2, 3])
+        for (_, plants), state in zip(self.saw["live"], self.states, strict=True):
+            self.assertEqual([(plant["vertices"], plant["faces"]) for plant in plants], [counts(state, plant["name"]) for plant in plants])
+        self.assertEqual(len({plant["pointer"] for _, plants in self.saw["live"] for plant in plants}), 2)
+
+    def test_what_cannot_be_used_is_said_in_one_sentence(self) -> None:
+        self.assertIn("The file is no .glb of Espalier, or is damaged", self.saw["errors"]["cut.glb"])
+        self.assertIn("the server has no simulation 'none'. It has: ", self.saw["errors"]["live"])
+
+
+@unittest.skipIf(np is None, "NumPy is not installed")
+class Reader(unittest.TestCase):
+    def test_damaged_files_are_refused_or_read_and_never_anything_else(self) -> None:
+        import glb
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "plant.glb"
+            espalier("run", model("textured-tree"), "--steps", "2", "--instancing", "--quiet", "-o", str(file))
+            whole = file.read_bytes()
+        self.assertEqual([plant.name for plant in glb.read(whole).plants], ["plant_0"])
+        length = struct.unpack_from("<I", whole, 12)[0]
+        draw = random.Random(1)
+        refused = 0
+        for _ in range(400):
+            content = bytearray(whole)
+            if draw.random() < 0.3:
+                del content[draw.randrange(len(content)):]
+            for _ in range(draw.randint(0, 3)):
+                if content:  # mostly where the tables are
+                    content[draw.randrange(min(20 + length, len(content)))] = draw.randrange(256)
+            try:
+                with np.errstate(all="ignore"):
+                    glb.read(bytes(content))
+            except glb.GlbError as error:
+                refused += 1
+                self.assertIn("Write it", str(error))
+        self.assertGreater(refused, 100)
+
+
+if __name__ == "__main__":
+    unittest.main()

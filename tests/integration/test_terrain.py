@@ -1,0 +1,163 @@
+"""Terrain: heights of a GeoTIFF as a field and as the ground of environments, against gdal's own readers."""
+
+import json
+import shutil
+import struct
+import subprocess
+import tempfile
+import unittest
+from array import array
+from pathlib import Path
+from typing import Any, Dict, List, Sequence, Tuple
+
+from support import espalier
+
+Heights = List[List[float]]
+LIBRARY = any(Path(folder, "libgeotiff.so.5").exists() for folder in ("/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib"))
+WEST, NORTH, STEP = 400_000.0, 5_600_000.0, 2.0
+PROBE = """Lsystem: 1
+derivation length: 1
+Axiom: @M(X,Y,Z)?E(1,0)
+endlsystem
+"""
+
+
+def hills(columns: int = 8, rows: int = 5) -> Heights:
+    """Heights of quarters, so that single precision holds them; the first row is the northern one."""
+    return [[100 + 0.25 * ((7 * column + 3 * row * row) % 11) for column in range(columns)] for row in range(rows)]
+
+
+def geotiff(heights: Heights, keys: Sequence[Tuple[int, int]] = ((1024, 1), (1025, 1), (3076, 9001)), is_placed: bool = True) -> bytes:
+    """An uncompressed GeoTIFF of 32-bit reals by the pages of TIFF 6.0 and OGC 19-008r4: one strip."""
+    rows, columns = len(heights), len(heights[0])
+    data = b"".join(struct.pack(f"<{columns}f", *row) for row in heights)
+    entries: List[Tuple[int, int, bytes]] = [  # tag, type, values
+        (256, 4, struct.pack("<I", columns)), (257, 4, struct.pack("<I", rows)), (258, 3, struct.pack("<H", 32)), (259, 3, struct.pack("<H", 1)),
+        (262, 3, struct.pack("<H", 1)), (273, 4, struct.pack("<I", 8)), (277, 3, struct.pack("<H", 1)), (278, 4, struct.pack("<I", rows)),
+        (279, 4, struct.pack("<I", len(data))), (339, 3, struct.pack("<H", 3))]
+    if is_placed:
+        entries += [(33550, 12, struct.pack("<3d", STEP, STEP, 0)), (33922, 12, struct.pack("<6d", 0, 0, 0, WEST, NORTH, 0))]
+    entries.append((34735, 3, struct.pack("<4H", 1, 1, 0, len(keys)) + b"".join(struct.pack("<4H", key, 0, 1, value) for key, value in keys)))
+    sizes = {3: 2, 4: 4, 12: 8}
+    directory, values = b"", b""
+    start = 8 + len(data)
+    behind = start + 2 + 12 * len(entries) + 4
+    for tag, kind, content in entries:
+        directory += struct.pack("<HHI", tag, kind, len(content) // sizes[kind])
+        if len(content) <= 4:
+            directory += content.ljust(4, b"\0")
+        else:
+            directory += struct.pack("<I", behind + len(values))
+            values += content
+    return struct.pack("<2sHI", b"II", 42, start) + data + struct.pack("<H", len(entries)) + directory + struct.pack("<I", 0) + values
+
+
+@unittest.skipUnless(LIBRARY, "libgeotiff5 is not installed")
+class Terrain(unittest.TestCase):
+    maxDiff = 2000
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def write(self, name: str, content: bytes) -> Path:
+        (self.folder / name).write_bytes(content)
+        return self.folder / name
+
+    def heights(self, file: Path) -> Tuple[Heights, Dict[str, Any]]:
+        """What we read, the northern row first, and the header of the field."""
+        raw = self.folder / "heights.raw"
+        espalier("field", str(file), "--field", f"height={raw}")
+        header = json.loads(Path(f"{raw}.json").read_text(encoding="utf-8"))
+        numbers = array("d", raw.read_bytes())
+        columns = header["cells"][0]
+        rows = [list(numbers[from_:from_ + columns]) for from_ in range(0, len(numbers), columns)]
+        return rows[::-1], header
+
+    def gdal(self, *words: str) -> str:
+        return subprocess.run(words, capture_output=True, text=True, check=True, timeout=60, cwd=self.folder).stdout
+
+    def answer(self, configuration: Dict[str, Any], x: float, y: float, z: float) -> List[float]:
+        model = self.write("probe.l", PROBE.replace("X", repr(x)).replace("Y", repr(y)).replace("Z", repr(z)).encode())
+        file = self.write("world.json", json.dumps(configuration).encode())
+        text = espalier("derive", str(model), "--environment", str(file)).stdout
+        return [float(number) for number in text.split("?E(")[1].split(")")[0].split(",")]
+
+    def test_a_file_made_by_hand_is_read_number_by_number(self) -> None:
+        file = self.write("hills.tif", geotiff(hills()))
+        found, header = self.heights(file)
+        self.assertEqual(found, hills())
+        self.assertEqual((header["cells"], header["cellSize"][:2], header["position"][:2], header["unit"]),
+                         ([8, 5, 1], [STEP, STEP], [WEST, NORTH - 5 * STEP], "m"))
+        # of a number that belongs to a point the place is that of the point
+        points = self.write("points.tif", geotiff(hills(), ((1024, 1), (1025, 2), (3076, 9001))))
+        self.assertEqual(self.heights(points)[1]["position"][:2], [WEST - STEP / 2, NORTH - 5 * STEP + STEP / 2])
+
+    @unittest.skipUnless(shutil.which("gdalinfo") and shutil.which("gdal_translate"), "gdal-bin is not installed")
+    def test_gdal_agrees(self) -> None:
+        file = self.write("hills.tif", geotiff(hills(70, 50)))
+        told = json.loads(self.gdal("gdalinfo", "-json", "-stats", "hills.tif"))
+        self.assertEqual(told["size"], [70, 50])
+        found, header = self.heights(file)
+        self.assertEqual([header["position"][0], header["position"][1] + 50 * STEP], told["cornerCoordinates"]["upperLeft"])
+        flat = [height for row in found for height in row]
+        self.assertEqual((min(flat), max(flat)), (told["bands"][0]["minimum"], told["bands"][0]["maximum"]))
+        self.assertAlmostEqual(sum(flat) / len(flat), told["bands"][0]["mean"], 3)
+        # other ways to write the same numbers; gdal writes each, and its list of heights is the judge
+        for options in (("-co", "COMPRESS=DEFLATE", "-co", "PREDICTOR=3"), ("-co", "TILED=YES", "-co", "BLOCKXSIZE=32", "-co", "BLOCKYSIZE=16"),
+                        ("-ot", "Float64", "-co", "COMPRESS=LZW"), ("-ot", "Int16"), ("-ot", "Byte"), ("-co", "ENDIANNESS=BIG"),
+                        ("-ot", "UInt32", "-co", "TILED=YES", "-co", "BLOCKXSIZE=16", "-co", "BLOCKYSIZE=16", "-co", "COMPRESS=ZSTD"), ("-co", "BIGTIFF=YES")):
+            self.gdal("gdal_translate", "-q", *options, "hills.tif", "other.tif")
+            self.gdal("gdal_translate", "-q", "-of", "XYZ", "other.tif", "heights.xyz")
+            rows = [tuple(float(word) for word in line.split()) for line in (self.folder / "heights.xyz").read_text().splitlines()]
+            other, _ = self.heights(self.folder / "other.tif")
+            self.assertEqual([height for row in other for height in row], [row[2] for row in rows], options)
+
+    def test_the_ground_is_an_obstacle_where_it_lies(self) -> None:
+        self.write("hills.tif", geotiff(hills()))
+        ground = {"type": "obstacles", "terrainFile": "hills.tif", "terrainOrigin": [WEST, NORTH, 100]}
+        south_first = [[height - 100 for height in row] for row in reversed(hills())]
+        same = {"type": "obstacles", "heightField": south_first, "heightFieldExtent": [1, 1, 15, 9]}
+        for place in ((1.0, 0.5, 1.0), (5.0, 3.0, 3.0), (6.3, 1.9, 7.7), (15.0, 8.0, 9.0), (5.0, -1.0, 5.0)):
+            self.assertEqual(self.answer(ground, *place), self.answer(same, *place))
+        # 5 above a flat ground of 20 m, in a world of half the size
+        self.write("flat.tif", geotiff([[20.0] * 4] * 4))
+        flat = {"type": "obstacles", "terrainFile": "flat.tif", "terrainOrigin": [WEST, NORTH, 0], "terrainScale": 0.5}
+        self.assertEqual(self.answer(flat, 2.0, 15.0, 2.0)[1], 5.0)
+
+    def test_wrong_files_are_refused_in_one_sentence(self) -> None:
+        whole = geotiff(hills())
+        for content, says in ((b"II*\0", "is no TIFF file, or is damaged"),
+                              (b"text", "is no TIFF file, or is damaged"),
+                              (whole[:len(whole) // 2], "is no TIFF file, or is damaged"),
+                              (geotiff(hills(), ((1024, 2),)), "has coordinates in degrees. Convert it to a projection in metres"),
+                              (geotiff(hills(), ((1024, 1), (3076, 9002))), "has lengths in the unit 9002 of EPSG, which is not the metre"),
+                              (geotiff(hills(), ((1024, 1), (4099, 9003))), "has lengths in the unit 9003 of EPSG, which is not the metre"),
+                              (geotiff(hills(), is_placed=False), "does not say where it lies"),
+                              (geotiff([[1.0, 2.0]]), "has 2 x 1 heights. A ground needs at least 2 x 2"),
+                              (geotiff([[1.0, 2.0], [3.0, float("nan")]]), "has 1 of 4 cells without a height. Fill them"),
+                              (whole.replace(struct.pack("<HHI", 256, 4, 1) + struct.pack("<I", 8), struct.pack("<HHI", 256, 4, 1) + struct.pack("<I", 2 ** 31)),
+                               "has 2147483648 x 5 heights, more than 1000000. Make it coarser"),
+                              (whole.replace(struct.pack("<HHIH", 277, 3, 1, 1), struct.pack("<HHIH", 277, 3, 1, 3)), "has 3 bands"),
+                              (whole.replace(struct.pack("<HHIH", 258, 3, 1, 32), struct.pack("<HHIH", 258, 3, 1, 24)), "has numbers of a kind that is not read"),
+                              (whole.replace(struct.pack("<HHII", 273, 4, 1, 8), struct.pack("<HHII", 273, 4, 1, 2 ** 31)), "is damaged or cut short")):
+            file = self.write("bad.tif", content)
+            run = espalier("field", str(file), status=1)
+            self.assertIn(says, run.stderr)
+            self.assertEqual((run.stdout, run.stderr.count("\n")), ("", 1))
+
+    def test_wrong_configurations_are_refused_in_one_sentence(self) -> None:
+        self.write("hills.tif", geotiff(hills()))
+        model = self.write("probe.l", PROBE.replace("X", "0").replace("Y", "0").replace("Z", "0").encode())
+        for keys, says in (({"terrainFile": "none.tif"}, "none.tif' of the environment 'obstacles': it cannot be read"),
+                           ({"terrainFile": "hills.tif", "terrainOrigin": [1, 2]}, "'terrainOrigin' must be three numbers: east, north, height"),
+                           ({"terrainFile": "hills.tif", "terrainScale": 0}, "'terrainScale' must be a number above 0"),
+                           ({"terrainFile": "hills.tif", "heightField": [[0, 0], [0, 0]]}, "the configuration has 'heightField' too"),
+                           ({"type": "height", "terrainFile": "hills.tif"}, "the environment 'height' takes no ground")):
+            file = self.write("world.json", json.dumps({"type": "obstacles", **keys}).encode())
+            self.assertIn(says, espalier("derive", str(model), "--environment", str(file), status=1).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
