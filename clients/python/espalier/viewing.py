@@ -19,20 +19,33 @@ from pathlib import Path
 from typing import List, Sequence, Union
 
 from .errors import EspalierError
+from .frame_packing import pack_frame
 from .program import find_program
 
 # in an installed package, and in the source tree
 SCRIPTS = (Path(__file__).parent / "viewer" / "espalier.js", Path(__file__).parents[2] / "web" / "espalier.js")
-# of packed frames, so that a page stays below 8 MB; and the levels of detail that are tried
+# of deflated frames, so that a page stays below 3 MB (frame_packing.py makes a third of them); and the levels of detail that are tried
 MOST_BYTES = 5_000_000
 DETAILS = ("1", "0.6", "0.4")
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title>
 <style>html,body,#plant{{margin:0;width:100%;height:100%;overflow:hidden;position:relative}}</style></head>
 <body><div id="plant"></div>
-<script>{script}</script>
 <script>const frames = {frames};
-espalier.showPlant(document.getElementById("plant"), {order}.map((index) => frames[index]));</script>
+(async () => {{
+  const plant = document.getElementById("plant");
+  try {{
+    const packed = Uint8Array.from(atob("{script}"), (character) => character.charCodeAt(0));
+    const script = document.createElement("script");
+    script.textContent = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+    document.head.append(script);
+  }} catch (error) {{
+    plant.textContent = `This browser cannot unpack the page (${{error.message}}): use a newer browser.`;
+    plant.dataset.state = "failed";
+    return;
+  }}
+  await espalier.showPlant(plant, {order}.map((index) => frames[index]));
+}})();</script>
 </body></html>
 """
 
@@ -54,7 +67,8 @@ class View:
         self.height = height
 
     def html(self) -> str:
-        """The page as a text. It loads nothing from other places."""
+        """The page as a text. It loads nothing from other places. Coordinates are rounded to 1/16384 of the plant, normals to half a
+        degree; `frames` has the exact ones."""
         script = next((path.read_text(encoding="utf-8") for path in SCRIPTS if path.is_file()), None)
         if script is None:
             raise EspalierError("The viewer's script espalier.js is missing, so no page can show the plant. A copy of the folder "
@@ -63,10 +77,9 @@ class View:
                                 "./dev build in the source tree, then install the package again.")
         # the page unpacks them; equal ones, as after the end of growth, are there once
         different = list(dict.fromkeys(self.frames))
-        frames = json.dumps([base64.b64encode(gzip.compress(frame, 6, mtime=0)).decode("ascii") for frame in different])
-        # a script must not contain the end of its element
-        return PAGE.format(title=html.escape(self.title), script=script.replace("</script", "<\\/script"), frames=frames,
-                           order=[different.index(frame) for frame in self.frames])
+        frames = json.dumps([base64.b64encode(pack_frame(frame)).decode("ascii") for frame in different])
+        packed = base64.b64encode(gzip.compress(script.encode("utf-8"), 9, mtime=0)).decode("ascii")
+        return PAGE.format(title=html.escape(self.title), script=packed, frames=frames, order=[different.index(frame) for frame in self.frames])
 
     def __repr__(self) -> str:
         size = sum(len(frame) for frame in self.frames)

@@ -1,22 +1,9 @@
 // A page with the geometry of a plant: one frame, or several frames with a slider and a button that plays the growth.
 import { Box3 } from "three";
+import { readFrame } from "./plant_frames.js";
 import { PlantScene, boxOf } from "./plant_scene.js";
 
-async function bytesOf(base64) {
-  const text = atob(base64);
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; ++i) {
-    bytes[i] = text.charCodeAt(i);
-  }
-  // gzip begins with these two
-  if (bytes[0] === 0x1f && bytes[1] === 0x8b) {
-    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    return new Response(unpacked).arrayBuffer();
-  }
-  return bytes.buffer;
-}
-
-/** Shows frames (base64 texts of .glb files, which gzip may have packed) in an element. Several frames get a slider and a button that plays them. */
+/** Shows frames (base64 texts of .glb files, which may be packed) in an element. Several frames get a slider and a button that plays them. */
 export async function showPlant(element, frames, background = "#f7f7f2") {
   const fail = (text) => {
     element.textContent = text;
@@ -33,7 +20,7 @@ export async function showPlant(element, frames, background = "#f7f7f2") {
   const whole = new Box3();
   for (const frame of frames) {
     try {
-      plants.push(await view.read(await bytesOf(frame)));
+      plants.push(await view.read(await readFrame(frame)));
     } catch (error) {
       fail(`The plant cannot be read: ${error.message}`);
       return;
@@ -51,10 +38,12 @@ export async function showPlant(element, frames, background = "#f7f7f2") {
 
 function addPlayer(element, count, show) {
   const bar = document.createElement("div");
-  bar.style.cssText = "position:absolute;left:12px;right:12px;bottom:10px;display:flex;gap:10px;font:13px sans-serif";
+  bar.style.cssText = "position:absolute;left:12px;right:12px;bottom:10px;display:flex;gap:10px;align-items:center;padding:6px 10px;border-radius:8px;background:rgba(255,255,255,0.82);color:#222;font:13px sans-serif";
   const button = document.createElement("button");
   button.textContent = "Grow";
+  button.style.cssText = "font:inherit;padding:4px 14px";
   const slider = document.createElement("input");
+  slider.setAttribute("aria-label", "Frame of the growth");
   slider.type = "range";
   slider.max = String(count - 1);
   slider.value = slider.max;
