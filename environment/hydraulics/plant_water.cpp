@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "engine/core/elementary.h"
-#include "environment/hydraulics/rhizosphere.h"
 
 namespace espalier::environment {
 
@@ -47,7 +46,7 @@ double PlantWater::updateSoil(std::size_t i, Result& result) {
     return 0.0;
   }
   const double xylem = 0.5 * (result.flow.heads[i] + result.flow.heads[node.parent]);
-  const RootUptake uptake = rootUptake(*soils_[i].potential, soils_[i].factor, node.soilHead,
+  const RootUptake uptake = rootUptake(*soils_[i].potential, soils_[i].factor, soilPoints_[i],
                                        2.0 * root.half / node.length, xylem, surfaceHeads_[i]);
   HydraulicTree::Segment& segment = segments_[i];
   segment.half = 0.5 * uptake.byHead * node.length;
@@ -163,6 +162,12 @@ void PlantWater::begin() {
     node.axialConductance = axialConductances_[i];
     roots_[i] = HydraulicTree::segmentOf(node);
   }
+  soilPoints_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (resists(i)) {
+      soilPoints_[i] = soilPointAt(*soils_[i].potential, tree_.nodes()[i].soilHead);
+    }
+  }
   if (isNew) {
     segments_ = roots_;
   }
@@ -187,7 +192,7 @@ double PlantWater::residualsAt(const std::vector<double>& heads, double share, R
     residuals.leaf[i] = 0.0;
     if (roots_[i].half > 0.0 && resists(i)) {
       const double xylem = 0.5 * (heads[i] + heads[node.parent]);
-      const RootUptake uptake = rootUptake(*soils_[i].potential, soils_[i].factor, node.soilHead,
+      const RootUptake uptake = rootUptake(*soils_[i].potential, soils_[i].factor, soilPoints_[i],
                                            2.0 * roots_[i].half / node.length, xylem, surfaceHeads_[i]);
       residuals.soil[i] = (1.0 - share) * residuals_.soil[i] + uptake.perLength * node.length -
                           2.0 * (segment.supply - segment.half * xylem);

@@ -7,6 +7,7 @@
 
 #include "environment/hydraulics/hydraulic_tree.h"
 #include "environment/hydraulics/leaf_gas.h"
+#include "environment/hydraulics/rhizosphere.h"
 #include "environment/soil/flux_potential.h"
 
 namespace espalier::environment {
@@ -114,6 +115,7 @@ class PlantWater {
   Leaves leaves_;
   Vessels vessels_;
   std::vector<Soil> soils_;                        // (nodes)
+  std::vector<SoilPoint> soilPoints_;              // of the present soil (nodes)
   std::vector<double> axialConductances_;          // with what vessels have lost (nodes)
   std::vector<HydraulicTree::Segment> roots_;      // without resistance of the soil (nodes)
   std::vector<HydraulicTree::Segment> segments_;   // of a round of Newton's method (nodes)

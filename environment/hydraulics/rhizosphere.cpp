@@ -22,21 +22,24 @@ double cellFactor(double side, double radius) {
   return std::max(core::log(0.198 * side / radius), 0.0);
 }
 
-RootUptake rootUptake(const FluxPotential& potential, double factor, double soilHead, double rootConductance,
+SoilPoint soilPointAt(const FluxPotential& potential, double head) {
+  return {head, potential.at(head), potential.conductivityAt(head)};
+}
+
+RootUptake rootUptake(const FluxPotential& potential, double factor, const SoilPoint& soil, double rootConductance,
                       double xylemHead, double surfaceGuess) {
   const double ofRoot = rootConductance;
-  if (xylemHead >= soilHead || factor <= 0.0) {
-    return {ofRoot * (soilHead - xylemHead), ofRoot, ofRoot, soilHead};
+  if (xylemHead >= soil.head || factor <= 0.0) {
+    return {ofRoot * (soil.head - xylemHead), ofRoot, ofRoot, soil.head};
   }
   const double ofSoil = 2.0 * std::numbers::pi / factor;
-  const double wet = potential.at(soilHead);
   // uptake by the root less supply by the soil grows with the head of the surface, and its slope too: Newton's method
   // between the heads of xylem and soil
   double low = xylemHead;
-  double high = soilHead;
+  double high = soil.head;
   double head = std::clamp(surfaceGuess, low, high);
   for (int round = 0; round < 100; ++round) {
-    const double difference = ofRoot * (head - xylemHead) - ofSoil * (wet - potential.at(head));
+    const double difference = ofRoot * (head - xylemHead) - ofSoil * (soil.phi - potential.at(head));
     (difference > 0.0 ? high : low) = head;
     double next = head - difference / (ofRoot + ofSoil * potential.conductivityAt(head));
     if (!(next > low && next < high)) {
@@ -50,9 +53,9 @@ RootUptake rootUptake(const FluxPotential& potential, double factor, double soil
   }
   const double slope = ofSoil * potential.conductivityAt(head);
   // by the side that resists more: there rounding of the heads matters less
-  const double perLength = ofRoot < slope ? ofRoot * (head - xylemHead) : ofSoil * (wet - potential.at(head));
+  const double perLength = ofRoot < slope ? ofRoot * (head - xylemHead) : ofSoil * (soil.phi - potential.at(head));
   const double part = ofRoot / (ofRoot + slope);
-  return {perLength, part * slope, part * ofSoil * potential.conductivityAt(soilHead), head};
+  return {perLength, part * slope, part * ofSoil * soil.conductivity, head};
 }
 
 }  // namespace espalier::environment

@@ -21,10 +21,18 @@ struct RootUptake {
   double surfaceHead = 0.0;  // at the root surface, length
 };
 
+/// A head of the soil around a root, with what the uptake needs of it.
+struct SoilPoint {
+  double head = 0.0;          // length
+  double phi = 0.0;           // Φ, length²/day
+  double conductivity = 0.0;  // K, length/day
+};
+[[nodiscard]] SoilPoint soilPointAt(const FluxPotential& potential, double head);
+
 /// The uptake through soil and root in series: C (ψ surface − ψ xylem) = 2π/g (Φ(soil) − Φ(surface)), where C is the
 /// conductance of a unit of root length, 2πa kr of a thin root, length/day. Water that leaves a root meets no
 /// resistance of the soil. `surfaceGuess` is a head near that of the surface.
-[[nodiscard]] RootUptake rootUptake(const FluxPotential& potential, double factor, double soilHead,
+[[nodiscard]] RootUptake rootUptake(const FluxPotential& potential, double factor, const SoilPoint& soil,
                                     double rootConductance, double xylemHead, double surfaceGuess);
 
 }  // namespace espalier::environment

@@ -54,9 +54,10 @@ double SoilLayer::conductivityAt(double head) const {
     return (1.0 - part) * conductivity + part * conductivityAt(straight);
   }
   const double m = 1.0 - 1.0 / n;
-  const double effective = saturation(head);
-  // 1 − (1 − Se^(1/m))^m, written with the suction: Se^(1/m) is 1/(1 + s)
+  // as in saturation(), with the power that the film needs, too
   const double power = core::pow(-alpha * head, n);
+  const double effective = core::pow(1.0 + power, 1.0 / n - 1.0);
+  // 1 − (1 − Se^(1/m))^m, written with the suction: Se^(1/m) is 1/(1 + s)
   const double film = -core::expm1(m * core::log(power / (1.0 + power)));
   return conductivity * std::sqrt(effective) * film * film;
 }

@@ -20,16 +20,11 @@ namespace {
 /// How far they are off depends on the processor, so distances are computed and compared here.
 constexpr float kWider = 1e-5F;
 
-RTCRay rayOf(const Vec3& origin, const Vec3& direction, double from, double to) {
+RTCRay rayAlong(const Vec3& direction) {
   RTCRay ray{};
-  ray.org_x = static_cast<float>(origin.x);
-  ray.org_y = static_cast<float>(origin.y);
-  ray.org_z = static_cast<float>(origin.z);
   ray.dir_x = static_cast<float>(direction.x);
   ray.dir_y = static_cast<float>(direction.y);
   ray.dir_z = static_cast<float>(direction.z);
-  ray.tnear = static_cast<float>(from) * (1.0F - kWider);
-  ray.tfar = static_cast<float>(to) * (1.0F + kWider);
   ray.mask = 0xFFFFFFFFU;
   return ray;
 }
@@ -47,6 +42,17 @@ struct HitContext {
   bool isFront = false;
 };
 static_assert(std::is_standard_layout_v<HitContext>);
+
+/// Lets a ray begin at another place; it has met nothing so far.
+void start(RTCRay& ray, HitContext& context, const Vec3& origin, double from, double to) {
+  ray.org_x = static_cast<float>(origin.x);
+  ray.org_y = static_cast<float>(origin.y);
+  ray.org_z = static_cast<float>(origin.z);
+  ray.tnear = static_cast<float>(from) * (1.0F - kWider);
+  ray.tfar = static_cast<float>(to) * (1.0F + kWider);
+  context.from = from;
+  context.to = to;
+}
 
 /// On which side of an edge a ray along `way` from the origin passes. The same number with the other sign for the
 /// edge in the other direction, so that of two triangles at an edge at least one is met.
@@ -121,14 +127,12 @@ struct RayCaster::Tree {
   double highest = 0.0;
   double margin = 1e-6;
 
-  [[nodiscard]] HitContext context(double from, double to) const {
+  [[nodiscard]] HitContext context() const {
     HitContext made;
     rtcInitIntersectContext(&made.embree);
     made.vertices = vertices;
     made.corners = corners;
     made.originalOf = originalOf.empty() ? nullptr : originalOf.data();
-    made.from = from;
-    made.to = to;
     return made;
   }
 
@@ -258,7 +262,9 @@ RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, 
   for (std::size_t k = 0; k < 2; ++k) {
     const double width = repetition.high[k] - repetition.low[k];
     double& p = place[static_cast<std::size_t>(repetition.axes[k])];
-    p -= width * std::floor((p - repetition.low[k]) / width);
+    const double plots = (p - repetition.low[k]) / width;
+    // most rays start in the plot, and without SSE4.1 floor is a call
+    p -= plots > 0.0 && plots < 1.0 ? 0.0 : width * std::floor(plots);
   }
   // from border to border, until above or below everything
   const double end = way[upright] == 0.0
@@ -300,11 +306,12 @@ RayCaster::Hit RayCaster::firstHit(const Vec3& origin, const Vec3& direction) co
   if (tree_->scene == nullptr) {
     return {};
   }
-  const auto cast = [&](const Vec3& start, double from, double to) {
-    RTCRayHit ray;
-    ray.ray = rayOf(start, direction, from, to);
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    HitContext context = tree_->context(from, to);
+  RTCRayHit ray;
+  ray.ray = rayAlong(direction);
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  HitContext context = tree_->context();
+  const auto cast = [&](const Vec3& place, double from, double to) {
+    start(ray.ray, context, place, from, to);
     rtcIntersect1(tree_->scene, &context.embree, &ray);
     return Hit{context.triangle, context.isFront};
   };
@@ -315,9 +322,10 @@ bool RayCaster::isFree(const Vec3& origin, const Vec3& direction) const {
   if (tree_->scene == nullptr) {
     return true;
   }
-  const auto cast = [&](const Vec3& start, double from, double to) {
-    RTCRay ray = rayOf(start, direction, from, to);
-    HitContext context = tree_->context(from, to);
+  RTCRay ray = rayAlong(direction);
+  HitContext context = tree_->context();
+  const auto cast = [&](const Vec3& place, double from, double to) {
+    start(ray, context, place, from, to);
     rtcOccluded1(tree_->scene, &context.embree, &ray);
     return ray.tfar < 0.0F ? Hit{0, false} : Hit{};
   };

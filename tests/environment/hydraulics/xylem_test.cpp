@@ -524,21 +524,24 @@ TEST(Rhizosphere, TheUptakeIsWhatSoilAndRootBothCarry) {
   const FluxPotential potential(kLoam);
   const double kRoot = 2.0 * std::numbers::pi * 0.02 * 0.002;  // 2πa kr
   for (const double xylem : {-200.0, -2000.0, -15000.0, -1e6}) {
-    const RootUptake uptake = rootUptake(potential, annulusFactor(20.0), -150.0, kRoot, xylem, -150.0);
+    const RootUptake uptake =
+        rootUptake(potential, annulusFactor(20.0), soilPointAt(potential, -150.0), kRoot, xylem, -150.0);
     const double ofRoot = 2.0 * std::numbers::pi * 0.02 * 0.002 * (uptake.surfaceHead - xylem);
     const double ofSoil =
         2.0 * std::numbers::pi / annulusFactor(20.0) * (potential.at(-150.0) - potential.at(uptake.surfaceHead));
     EXPECT_NEAR(uptake.perLength / ofRoot, 1.0, 1e-9);
     EXPECT_NEAR(uptake.perLength / ofSoil, 1.0, 1e-6);
     // its slope, by a difference
-    const RootUptake other = rootUptake(potential, annulusFactor(20.0), -150.0, kRoot, xylem * 1.0001, -150.0);
+    const RootUptake other =
+        rootUptake(potential, annulusFactor(20.0), soilPointAt(potential, -150.0), kRoot, xylem * 1.0001, -150.0);
     EXPECT_NEAR((other.perLength - uptake.perLength) / (-0.0001 * xylem) / uptake.byHead, 1.0, 2e-3);
     // and that by the head of the soil
-    const RootUptake wetter = rootUptake(potential, annulusFactor(20.0), -149.99, kRoot, xylem, -150.0);
+    const RootUptake wetter =
+        rootUptake(potential, annulusFactor(20.0), soilPointAt(potential, -149.99), kRoot, xylem, -150.0);
     EXPECT_NEAR((wetter.perLength - uptake.perLength) / 0.01 / uptake.bySoilHead, 1.0, 2e-3);
   }
   // water that leaves a root meets the root alone
-  EXPECT_NEAR(rootUptake(potential, 2.0, -150.0, kRoot, -50.0, 0.0).perLength,
+  EXPECT_NEAR(rootUptake(potential, 2.0, soilPointAt(potential, -150.0), kRoot, -50.0, 0.0).perLength,
               -100.0 * 2.0 * std::numbers::pi * 0.02 * 0.002, 1e-12);
 }
 
