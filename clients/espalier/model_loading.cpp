@@ -12,6 +12,7 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/folder_writer.h"
+#include "clients/espalier/output/outputs.h"
 #include "clients/espalier/roots/root_system.h"
 #include "clients/espalier/world_file.h"
 #include "engine/files/file_name.h"
@@ -122,6 +123,46 @@ std::optional<std::string> readStartString(const ModelOptions& options, const st
     return std::nullopt;
   }
   return text;
+}
+
+/// The root system of a file, or of a time series whose name has a place for a number, as `day-%04d.rsml`: then
+/// `file` becomes the last of its files. Prints errors and returns nothing after an error.
+std::optional<roots::RootSystem> readRootModel(std::string& file, bool isSeries, core::FileProvider& files) {
+  std::vector<roots::RootSystem> series;
+  std::string last = file;
+  for (std::uint64_t number = 0;; ++number) {
+    const std::string name = isSeries ? numberedName(file, number, 0) : file;
+    const std::optional<std::string> text = files.read(name);
+    // a series may begin with 1
+    if (isSeries && !text && number > 0) {
+      break;
+    }
+    if (isSeries && !text) {
+      continue;
+    }
+    auto read = roots::readRoots(name, text.value_or(""));
+    if (!read) {
+      printError(name + ", " + read.error());
+      return std::nullopt;
+    }
+    last = name;
+    series.push_back(std::move(*read));
+    if (!isSeries) {
+      return std::move(series.front());
+    }
+  }
+  if (series.empty()) {
+    printError("there is no file '" + numberedName(file, 0, 0) + "' or '" + numberedName(file, 1, 0) +
+               "': a time series begins with the number 0 or 1");
+    return std::nullopt;
+  }
+  auto joined = roots::joinSeries(std::move(series));
+  if (!joined) {
+    printError(file + ": " + joined.error());
+    return std::nullopt;
+  }
+  file = last;
+  return std::move(*joined);
 }
 
 /// Gives a root system in a file as the source of a model, and a view file that draws round lines.
@@ -369,6 +410,13 @@ std::vector<std::string> modelEntries(const ModelOptions& options, core::FilePro
 
 std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core::FileProvider& files,
                                                      server::FolderSettings* folder) {
+  std::optional<roots::RootSystem> roots;
+  std::error_code error;
+  const bool isSeries = roots::isRootFile(options.model) && options.model.find('%') != std::string::npos &&
+                        !std::filesystem::is_regular_file(options.model, error);
+  if (isSeries && !(roots = readRootModel(options.model, true, files))) {
+    return nullptr;
+  }
   const server::FoundModel found = server::findModelFiles(options.model, options.object);
   if (!found) {
     printError(found.error());
@@ -397,10 +445,8 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
 
   std::optional<RootModelFiles> rootFiles;
   if (roots::isRootFile(modelFiles.model)) {
-    const auto text = files.read(modelFiles.model);
-    auto roots = roots::readRoots(modelFiles.model, text.value_or(""));
-    if (!roots) {
-      printError(modelFiles.model + ", " + roots.error());
+    std::string name = modelFiles.model;
+    if (!roots && !(roots = readRootModel(name, false, files))) {
       return nullptr;
     }
     if (options.lengthUnit.empty()) {

@@ -97,6 +97,23 @@ class RootSystems(unittest.TestCase):
         values = {sample.get("value") for sample in ElementTree.parse(files[1]).findall(".//function[@name='emergence_time']/sample")}
         self.assertEqual(values, {"0", "0.5", "1", "1.5", "2"})
 
+    def test_a_time_series_of_files_is_an_animation(self) -> None:
+        self.write_with_days((0, 0, 1, 3, 2, 4, 4))
+        whole, again = self.folder / "whole.rsml", self.folder / "again.rsml"
+        espalier("run", str(self.table), "--every", "-o", str(whole))
+        series = str(self.folder / "day-%04d.rsml")
+        espalier("run", str(self.table), "--every", "-o", series)
+        espalier("run", series, "--every", "-o", str(again))
+        self.assertEqual(again.read_bytes(), whole.read_bytes())
+        percent = self.folder / "50%.rsml"
+        percent.write_bytes(whole.read_bytes())
+        espalier("run", str(percent), "--every", "-o", str(again))
+        self.assertEqual(again.read_bytes(), whole.read_bytes())
+        first = self.folder / "day-0000.rsml"
+        first.write_text(first.read_text().replace("<unit>unknown</unit>", "<unit>cm</unit>"))
+        self.assertIn("the files have different units: 'cm' and ''. Write all in one unit", espalier("run", series, "-o", str(again), status=1).stderr)
+        self.assertIn("a time series begins with the number 0 or 1", espalier("run", str(self.folder / "no-%d.rsml"), "-o", str(again), status=1).stderr)
+
     def test_many_days_are_an_animation_too_and_what_are_no_days_is_said(self) -> None:
         self.write_with_days((0, 0, 1, 3, 2, 4, 20_000))
         text = espalier("check", str(self.table)).stdout

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -205,6 +206,24 @@ RootSystem rootsOf(const turtle::Scene& scene) {
   }
   numberAxes(roots);
   return roots;
+}
+
+tl::expected<RootSystem, std::string> joinSeries(std::vector<RootSystem> series) {
+  std::map<std::array<double, 3>, double> firstDays;
+  for (std::size_t day = 0; day < series.size(); ++day) {
+    if (series[day].unit != series.back().unit) {
+      return tl::unexpected("the files have different units: '" + series[day].unit + "' and '" + series.back().unit +
+                            "'. Write all in one unit");
+    }
+    for (const RootSystem::Node& node : series[day].nodes) {
+      firstDays.try_emplace({node.place.x, node.place.y, node.place.z}, static_cast<double>(day));
+    }
+  }
+  RootSystem last = std::move(series.back());
+  for (RootSystem::Node& node : last.nodes) {
+    node.emergence = firstDays.at({node.place.x, node.place.y, node.place.z});
+  }
+  return last;
 }
 
 std::optional<std::string> convertTo(RootSystem& roots, const std::string& unit) {
