@@ -19,6 +19,8 @@ export interface ClientOptions {
   reconnect?: boolean;
   /** Told when the connection is lost (false), and when it is there again (true). */
   onConnection?: (isConnected: boolean) => void;
+  /** Told when the server is there again but refuses this client, as for a token that has expired. The client does not try again. */
+  onRefused?: (error: Error) => void;
 }
 
 const CAPABILITIES = ["bin", "checkpoint", "cancel", "streams", "credits", "delta", "offer", "geometry", "iterate", "heartbeat"];
@@ -166,6 +168,7 @@ export class Client {
       } catch (error) {
         if (!(error instanceof ConnectionLost)) {
           // a server that refuses this client refuses it again
+          this.options.onRefused?.(error as Error);
           [...this.streams].forEach((stream) => stream.end((error as Error).message));
           return;
         }

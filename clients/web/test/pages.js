@@ -16,7 +16,7 @@ export const PATIENCE = { timeout: 60_000 };
 const SIZE = process.env.ESPALIER_PICTURES ? { width: 1280, height: 720 } : { width: 1100, height: 560 };
 
 export function serve(http = "127.0.0.1:0", ...more) {
-  const server = spawn(program, ["serve", "--listen", "127.0.0.1:0", "--http", http, "--gallery", GALLERY, "--log-level", "off", ...more]);
+  const server = spawn(program, ["serve", "--listen", "127.0.0.1:0", "--http", http, ...(more.includes("--gallery") ? [] : ["--gallery", GALLERY]), "--log-level", "off", ...more]);
   return new Promise((ready) => {
     let text = "";
     server.stdout.on("data", (chunk) => {

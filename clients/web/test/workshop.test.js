@@ -1,7 +1,9 @@
 // The studio in Chromium, at a real server: two plants beside each other, and editors of files.
 import assert from "node:assert/strict";
+import { cpSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
 import { test } from "node:test";
-import { keep, lineAt, open, problems, running, shown, stringOf } from "./pages.js";
+import { GALLERY, folder, keep, lineAt, open, problems, running, serve, shown, stopped, stringOf } from "./pages.js";
 
 test("a fork stands beside the plant: both make the same steps, one camera looks at both, and a cut is seen in one", async () => {
   const page = await open(`${running.address}/#gallery=parametric-tree`);
@@ -110,6 +112,70 @@ test("a field of the environment is shown as a slice and as a surface, and follo
   await page.selectOption("#field", "");
   await page.waitForFunction(() => studio.view.fieldView.group.children.length === 0);
   await page.close();
+});
+
+test("a token that the server takes no more is asked for again, and the text of the page stays", async () => {
+  const first = await serve("127.0.0.1:0", "--token", "old words");
+  const page = await open(`${first.address}/#gallery=parametric-tree&token=old%20words`);
+  await page.evaluate(() => studio.edit(studio.document.main, `${studio.document.files[studio.document.main]}/* mine */\n`));
+  first.server.kill("SIGKILL");
+  await page.waitForFunction(() => document.body.dataset.state === "lost");
+  const second = await serve(new URL(first.address).host, "--token", "new words");
+  await page.waitForSelector("#token-form");
+  assert.match(await page.textContent("#token-form"), /does not take this token any more.*the text stays/);
+  await keep(page, "studio-token");
+  await page.fill("#token", "new words");
+  await page.click("#token-form button");
+  await page.waitForFunction(() => studio.connection === "connected");
+  await shown(page);
+  assert.match(await page.evaluate(() => studio.document.files[studio.document.main]), /mine/);
+  const grown = await page.evaluate(async () => Object.values((await studio.simulation.get("model")).model.files).join());
+  assert.match(grown, /mine/);
+  await page.close();
+  await stopped(second.server);
+  problems.length = 0; // the browser tells of each attempt to connect
+});
+
+test("a full server grows the plant of a slider in place of the old one, and tells others that it is full", async () => {
+  const full = await serve("127.0.0.1:0", "--limit", "simulations=1");
+  const page = await open(`${full.address}/#gallery=parametric-tree`);
+  const before = await stringOf(page);
+  await page.evaluate(() => studio.setSeed(8));
+  await page.evaluate(() => studio.act(() => studio.editContinuously(studio.document.main, studio.document.files[studio.document.main].replace(/#define R1\s+\S+/, "#define R1 0.5"))));
+  await shown(page);
+  assert.notEqual(await stringOf(page), before);
+  const other = await open(`${full.address}/#gallery=parametric-tree`, "");
+  await other.waitForFunction(() => /simulations/.test(document.getElementById("message").textContent));
+  assert.match(await other.evaluate(() => studio.document.files[studio.document.main]), /Lsystem/i);
+  await keep(other, "studio-full");
+  // there is room again
+  await page.evaluate(() => studio.simulation.delete());
+  await other.evaluate(() => studio.act(() => studio.build()));
+  await shown(other);
+  await other.close();
+  await page.close();
+  await stopped(full.server);
+});
+
+test("a gallery model that changes on the server's disk stays as the page shows it, and the page says so", async () => {
+  const models = join(folder, "models");
+  cpSync(join(GALLERY, "parametric-tree"), join(models, "parametric-tree"), { recursive: true });
+  const own = await serve("127.0.0.1:0", "--gallery", models);
+  const page = await open(`${own.address}/#gallery=parametric-tree&seed=3`);
+  const text = await stringOf(page);
+  const file = join(models, "parametric-tree", await page.evaluate(() => studio.document.main));
+  writeFileSync(file, readFileSync(file, "utf8").replace(/#define R1\s+\S+/, "#define R1 0.25"));
+  await page.evaluate(() => studio.act(() => studio.build()));
+  await shown(page);
+  await page.waitForFunction(() => document.getElementById("message").textContent.startsWith("Changed on the server's disk: parametric-tree.l. This page keeps its own text"));
+  assert.equal(await stringOf(page), text);
+  await keep(page, "studio-changed");
+  await page.evaluate(() => studio.act(() => studio.openGallery("parametric-tree")));
+  await shown(page);
+  assert.notEqual(await stringOf(page), text);
+  await page.waitForFunction(() => document.getElementById("message").textContent === "");
+  await page.close();
+  await stopped(own.server);
 });
 
 test("no page had an error, or asked for anything that its policy forbids", () => {

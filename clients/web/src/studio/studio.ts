@@ -15,6 +15,7 @@ import { History } from "./history.js";
 import { folderPalette } from "./palette.js";
 import { readWatched } from "./watched.js";
 import { unpacked } from "./share.js";
+import { createInPlaceOf, createPlant, isTokenRefused, keepText } from "./plants.js";
 import type { Connection, EnvironmentEntry, GalleryEntry } from "./types.js";
 
 const CHECK_MILLISECONDS = 250;
@@ -66,7 +67,7 @@ export class Studio {
   /** For tests: derivations that were started, that are under way, the most at once; changes that are not done. */
   readonly counts = { derivations: 0, inFlight: 0, mostInFlight: 0, waiting: 0 };
 
-  private client!: Client;
+  client!: Client;
   private token = "";
   private history = new History();
   private readonly listeners = new Set<() => void>();
@@ -75,7 +76,7 @@ export class Studio {
   private wanted: { values: Record<string, number>; isFinal: boolean } | null = null;
   private wantedStep: number | null = null;
   private checking = 0;
-  private shownTitle = "";
+  shownTitle = "";
   private isFollowing = false; // builds after each of many changes
   private isNewer = false;
 
@@ -112,6 +113,7 @@ export class Studio {
       this.diagnostics = error.data.diagnostics as Diagnostic[];
       this.message = { text: "The model has errors. The problems are listed below the text.", isError: true };
     } else {
+      this.connection = isTokenRefused(error) ? "token" : this.connection;
       this.message = { text: message, isError: true };
     }
   }
@@ -120,8 +122,16 @@ export class Studio {
 
   async start(token?: string): Promise<void> {
     const named = new URLSearchParams(location.hash.slice(1));
+    const isAgain = this.simulation !== null;
     await this.connect(token ?? named.get("token") ?? "");
     if (this.connection !== "connected") {
+      return;
+    }
+    if (isAgain) {
+      // what the page holds counts, not its address
+      const { id } = this.simulation!;
+      this.simulation = null; // it speaks through the old connection
+      await this.act(() => (this.isOwn ? this.client.simulation(id).delete().catch(() => {}).then(() => this.build(this.step)) : this.watch(id)));
       return;
     }
     setInterval(() => void this.list().catch(() => {}), LIST_MILLISECONDS);
@@ -152,12 +162,10 @@ export class Studio {
         roles: this.isReadOnly ? ["viewer"] : ["controller", "viewer"],
         ...(token ? { token } : {}),
         onConnection: (is) => this.connectionChanged(is),
+        onRefused: (error) => this.refused(error, "The server does not take this token any more. Nothing is lost: the text stays in the page."),
       });
     } catch (error) {
-      const needsToken = error instanceof ServerError && error.code === Code.unauthorised;
-      this.connection = needsToken ? "token" : "failed";
-      this.message = { text: needsToken && !token ? "This server needs a token." : (error as Error).message, isError: true };
-      this.changed();
+      this.refused(error as Error, token ? (error as Error).message : "This server needs a token.");
       return;
     }
     this.token = token;
@@ -171,6 +179,22 @@ export class Studio {
     await this.list();
   }
 
+  private refused(error: Error, ofToken: string): void {
+    const needsToken = error instanceof ServerError && error.code === Code.unauthorised;
+    this.connection = needsToken ? "token" : "failed";
+    this.message = { text: needsToken ? ofToken : error.message, isError: true };
+    this.changed();
+  }
+
+  /** A server that was started anew may not have the simulation any more: the plant of the page's text, at its step. */
+  private async regrow(): Promise<void> {
+    await this.list();
+    if (!this.simulations.some(({ simulation }) => simulation === this.simulation?.id)) {
+      this.simulation = null;
+      await this.build(this.step);
+    }
+  }
+
   private connectionChanged(isConnected: boolean): void {
     this.connection = isConnected ? "connected" : "lost";
     if (!isConnected) {
@@ -179,14 +203,7 @@ export class Studio {
       this.onConnected();
     }
     if (isConnected && this.simulation && this.isOwn) {
-      // a server that was started anew may not have the simulation any more
-      void this.act(async () => {
-        await this.list();
-        if (!this.simulations.some(({ simulation }) => simulation === this.simulation?.id)) {
-          this.simulation = null;
-          await this.build(this.step);
-        }
-      });
+      void this.act(() => this.regrow());
     }
     this.changed();
   }
@@ -337,14 +354,7 @@ export class Studio {
 
   /** A simulation of the document. Its caller deletes it. */
   create(): Promise<Simulation> {
-    const { gallery, title, environment } = this.document;
-    return this.client.create({
-      model: gallery ? { gallery } : modelOf(this.document),
-      seed: this.seed,
-      name: title,
-      save: "request",
-      ...(environment && !gallery ? { environment: environment as [] } : {}),
-    });
+    return createPlant(this.client, this.document, this.seed);
   }
 
   /** Makes the simulation of the document and derives it to a step (default: to its end). */
@@ -352,8 +362,9 @@ export class Studio {
     this.isRunning = false;
     return this.inTurn(async () => {
       const old = this.isOwn ? this.simulation : null;
+      await keepText(this);
       const { document } = this;
-      const simulation = await this.create();
+      const simulation = await createInPlaceOf(old, () => this.create());
       this.diagnostics = simulation.created!.diagnostics;
       const isAgain = old !== null && this.shownTitle === document.title;
       this.shownTitle = document.title;
@@ -459,7 +470,7 @@ export class Studio {
   }
 
   private ended(stream: Stream<"statistics"> | Stream<"columns">): void {
-    if (stream.reason && stream.simulation === this.simulation?.id) {
+    if (stream.reason && this.connection === "connected" && stream.simulation === this.simulation?.id) {
       this.simulation = null;
       this.say(`The simulation is gone: ${stream.reason}.`, true);
       this.view?.clear();

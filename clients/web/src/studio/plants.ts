@@ -1,0 +1,68 @@
+// Simulations of documents, and what can become of a server while a page is open: it refuses the token, it is full, and the
+// files of its gallery change.
+import { Code, ServerError } from "espalier";
+import type { Client, Simulation } from "espalier";
+import { modelOf } from "./document.js";
+import type { Document } from "./document.js";
+import type { Studio } from "./studio.js";
+
+/** A simulation of a document at its step 0. */
+export function createPlant(client: Client, document: Document, seed: number): Promise<Simulation> {
+  const { gallery, title, environment } = document;
+  return client.create({
+    model: gallery ? { gallery } : modelOf(document),
+    seed,
+    name: title,
+    save: "request",
+    ...(environment && !gallery ? { environment: environment as [] } : {}),
+  });
+}
+
+/** The server does not know the token, or not any more. A role that is missing is another trouble. */
+export function isTokenRefused(error: unknown): boolean {
+  return error instanceof ServerError && error.code === Code.unauthorised && !["role", "roles", "path"].some((name) => name in error.data);
+}
+
+/** The simulation that `create` makes. A full server has room for it without the old one, which goes then. */
+export async function createInPlaceOf(old: Simulation | null, create: () => Promise<Simulation>): Promise<Simulation> {
+  try {
+    return await create();
+  } catch (error) {
+    if (!old || !(error instanceof ServerError && error.code === Code.limit && /simulations/i.test(String(error.data.limit)))) {
+      throw error;
+    }
+    await old.delete();
+    return create();
+  }
+}
+
+/** A text of the gallery that has changed on the disk of the server since the page opened it stays as the page shows it. */
+export async function keepText(studio: Studio): Promise<void> {
+  const { document, client } = studio;
+  if (!document.gallery || studio.shownTitle !== document.title) {
+    return;
+  }
+  const changed = await changedOnDisk(client, document);
+  if (changed.length > 0) {
+    studio.document = { ...document, gallery: null };
+    studio.say(`Changed on the server's disk: ${changed.join(", ")}. This page keeps its own text; choose the model in the gallery again for the new one.`, true);
+  }
+}
+
+/**
+ * The names of the files of a gallery model that are not on the server's disk as the page shows them; empty: all are. A model
+ * that is not there any more has all of them.
+ */
+async function changedOnDisk(client: Client, { gallery, files, binary }: Document): Promise<string[]> {
+  try {
+    const now = await client.call("model.read", { gallery: gallery! });
+    const differs = (mine: Record<string, string>, theirs: Record<string, string>) =>
+      [...new Set([...Object.keys(mine), ...Object.keys(theirs)])].filter((name) => mine[name] !== theirs[name]);
+    return [...differs(files, now.files), ...differs(binary, now.binaryFiles)];
+  } catch (error) {
+    if (error instanceof ServerError) {
+      return Object.keys(files);
+    }
+    throw error;
+  }
+}
