@@ -74,9 +74,10 @@ std::vector<NameUse> macroUses(const files::SourceMap& map) {
     forEachLine(map.files[file], [&](const LogicalLine& line) {
       const std::string_view text = line.text;
       const std::size_t defined = afterDirective(text, "define");
+      StringLiterals literals(text);
       for (std::size_t position = 0; position < text.size();) {
         if (text[position] == '"') {
-          position = std::max(stringLiteralEnd(text, position), position + 1);
+          position = std::max(literals.endOf(position), position + 1);
           continue;
         }
         const std::size_t end = wordEnd(text, position);

@@ -90,8 +90,11 @@ class LineReader {
     return position + 1 < text_.size() && text_[position] == '\r' && text_[position + 1] == '\n' ? 2 : 0;
   }
   void copyString(LogicalLine& line) {
-    const std::string_view rest = text_.substr(0, std::min(text_.find('\n', position_), text_.size()));
-    const std::size_t end = std::max(stringLiteralEnd(rest, position_), position_ + 1);
+    if (position_ >= quotedLineEnd_) {
+      quotedLineEnd_ = std::min(text_.find('\n', position_), text_.size());
+      literals_ = StringLiterals(text_.substr(0, quotedLineEnd_));
+    }
+    const std::size_t end = std::max(literals_.endOf(position_), position_ + 1);
     while (position_ < end) {
       line.add(text_[position_], position_);
       ++position_;
@@ -100,6 +103,8 @@ class LineReader {
 
   std::string_view text_;
   std::size_t position_ = 0;
+  std::size_t quotedLineEnd_ = 0;                // of the last line that had a quote
+  StringLiterals literals_{std::string_view{}};  // of that line
   bool isInComment_ = false;
   std::size_t commentBegin_ = 0;
 };

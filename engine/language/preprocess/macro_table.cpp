@@ -82,9 +82,10 @@ const Macro* MacroTable::find(std::string_view name) const {
 }
 
 bool MacroTable::hasOpenCall(std::string_view line) const {
+  StringLiterals literals(line);
   std::size_t i = 0;
   while (i < line.size()) {
-    std::size_t end = std::max(line[i] == '"' ? stringLiteralEnd(line, i) : wordEnd(line, i), i + 1);
+    std::size_t end = std::max(line[i] == '"' ? literals.endOf(i) : wordEnd(line, i), i + 1);
     const Macro* const macro = find(line.substr(i, end - i));
     i = end;
     if (macro == nullptr || !macro->isFunctionLike) {
@@ -108,7 +109,7 @@ bool MacroTable::hasOpenCall(std::string_view line) const {
           return false;
         }
       }
-      end = c == '"' ? std::max(stringLiteralEnd(line, end), end + 1) : end + 1;
+      end = c == '"' ? std::max(literals.endOf(end), end + 1) : end + 1;
     } while (depth > 0 && end < line.size());
     if (depth > 0) {
       return true;
@@ -126,11 +127,12 @@ class MacroTable::Expansion {
 
   std::vector<ExpandedPiece> pieces(std::string_view text) {
     std::vector<ExpandedPiece> result;
+    StringLiterals literals(text);
     std::size_t copied = 0;
     std::size_t i = 0;
     while (i < text.size()) {
       if (text[i] == '"') {
-        i = std::max(stringLiteralEnd(text, i), i + 1);
+        i = std::max(literals.endOf(i), i + 1);
         continue;
       }
       const std::size_t end = wordEnd(text, i);
@@ -228,10 +230,11 @@ class MacroTable::Expansion {
     std::size_t argumentBegin = i;
     int depth = 1;
     bool hasOpenQuote = false;
+    StringLiterals literals(text);
     while (i < text.size() && depth > 0) {
       const char c = text[i];
       if (c == '"') {
-        i = std::max(stringLiteralEnd(text, i), i + 1);
+        i = std::max(literals.endOf(i), i + 1);
         continue;
       }
       if (c == '\'') {
@@ -282,10 +285,11 @@ class MacroTable::Expansion {
       return macro.body;
     }
     const std::string_view body = macro.body;
+    StringLiterals literals(body);
     std::string result;
     std::size_t i = 0;
     while (i < body.size() && charge(0, result.size())) {
-      std::size_t end = body[i] == '"' ? stringLiteralEnd(body, i) : wordEnd(body, i);
+      std::size_t end = body[i] == '"' ? literals.endOf(i) : wordEnd(body, i);
       end = std::max(end, i + 1);
       const std::string_view word = body.substr(i, end - i);
       const auto parameter = std::find(macro.parameters.begin(), macro.parameters.end(), word);

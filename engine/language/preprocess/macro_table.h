@@ -95,6 +95,25 @@ class MacroTable {
 /// so that a quote used as a symbol begins no string.
 [[nodiscard]] std::size_t stringLiteralEnd(std::string_view line, std::size_t begin);
 
+/// Finds the string literals of one line from left to right. Together the calls take time in proportion to the line.
+class StringLiterals {
+ public:
+  /// `line` must outlive the object.
+  explicit StringLiterals(std::string_view line) : line_(line) {}
+
+  /// stringLiteralEnd of the line. `begin` must not lie before that of an earlier call.
+  [[nodiscard]] std::size_t endOf(std::size_t begin) {
+    // where one quote has no partner, those behind it have none either: all of them are escaped
+    const std::size_t end = isOpen_ ? begin : stringLiteralEnd(line_, begin);
+    isOpen_ = end == begin;
+    return end;
+  }
+
+ private:
+  std::string_view line_;
+  bool isOpen_ = false;
+};
+
 /// The end of the word of the preprocessor, a name or a number, that starts at `begin`; `begin` when there is none.
 [[nodiscard]] std::size_t wordEnd(std::string_view line, std::size_t begin);
 

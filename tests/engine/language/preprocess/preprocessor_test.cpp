@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/core/work_meter.h"
+#include "engine/language/outline/name_uses.h"
 #include "tests/engine/language/compile_text.h"
 
 namespace espalier::language {
@@ -333,6 +335,43 @@ TEST(Preprocessor, AFewBytesDoNotExpandToMegabytes) {
   const std::string comment = "/*" + std::string(100'000, ' ') + "*/\n";
   EXPECT_FALSE(run(text + "A17\n").isComplete);
   EXPECT_TRUE(run(comment + text + "A17\n").isComplete);
+}
+
+/// Counts how often work asks whether to go on. Each search for the end of a string asks once.
+class CountedWork final : public core::WorkMeter {
+ public:
+  [[nodiscard]] bool take(std::int64_t) noexcept override { return true; }
+  [[nodiscard]] bool isStopped() const noexcept override {
+    ++looks_;
+    return false;
+  }
+  [[nodiscard]] std::size_t looks() const { return looks_; }
+
+ private:
+  mutable std::size_t looks_ = 0;
+};
+
+TEST(Preprocessor, ALineOfQuotesWithoutPartnersIsSearchedOnce) {
+  constexpr int kQuotes = 20'000;
+  std::string quotes;
+  for (int i = 0; i < kQuotes; ++i) {
+    quotes += "\"\\";
+  }
+  // as the text of a model, as the arguments of a call and as the text of a macro
+  const std::string text = "#define M(x) x\n#define Q " + quotes + "\n#define G(x) " + quotes + "\n" + quotes + "\nM(" +
+                           quotes + ")\nQ\nG(1)\n";
+  CountedWork work;
+  {
+    const core::WorkMeter::Scope scope(&work);
+    const PreprocessResult result = run(text);
+    EXPECT_NE(result.text.find(quotes), std::string::npos);
+    EXPECT_FALSE(macroUses(result.sourceMap).empty());
+  }
+  EXPECT_LT(work.looks(), 200U);
+}
+
+TEST(Preprocessor, AQuoteBehindOneWithoutPartnerOnTheLineBeforeBeginsAString) {
+  EXPECT_EQ(textOf("#define A B\n\"\\\" A\n\"A\" A\n"), "\"\\\" B\n\"A\" B\n");
 }
 
 TEST(Preprocessor, DeepMacrosEndAtALimit) {
