@@ -214,9 +214,7 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
         break;
       case protocol::Message::Kind::Error:
         if (message.id == id || message.id.kind == protocol::MessageId::Kind::Null) {
-          return tl::unexpected(LinkFailure{LinkFailure::Kind::Refused,
-                                            "answered with an error: " + message.error.message,
-                                            std::move(message.error)});
+          return tl::unexpected(refusedWith(message.error));
         }
         break;
     }

@@ -27,6 +27,10 @@ struct LinkFailure {
   protocol::Error error;  // Refused: the error that the peer sent
 };
 
+/// The failure of a call that the peer answered with an error. Its message is a stranger's text: it goes on to others
+/// with at most 2000 bytes.
+[[nodiscard]] LinkFailure refusedWith(const protocol::Error& error);
+
 /// The result of a call.
 using LinkOutcome = tl::expected<protocol::Payload, LinkFailure>;
 

@@ -227,7 +227,7 @@ void Session::onAnswer(const protocol::Message& message) {
   if (message.kind == protocol::Message::Kind::Result) {
     call->complete(message.payload);
   } else {
-    call->fail({LinkFailure::Kind::Refused, "answered with an error: " + message.error.message, message.error});
+    call->fail(refusedWith(message.error));
   }
 }
 

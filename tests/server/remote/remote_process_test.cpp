@@ -293,6 +293,19 @@ class NarrowLink final : public EnvironmentLink {
   PeerTerms terms_;
 };
 
+TEST(RemoteProcess, OfALongErrorOfAPeerOnlyTheBeginningGoesOn) {
+  std::string text(1999, 'x');
+  for (int i = 0; i < 1'000'000; ++i) {
+    text += "\u00fc";
+  }
+  const LinkFailure failure = refusedWith({protocol::ErrorCode::UnknownMethod, text, {}});
+  EXPECT_EQ(failure.kind, LinkFailure::Kind::Refused);
+  EXPECT_EQ(failure.message, "answered with an error: " + text.substr(0, 1999) + "... (2001999 bytes)");
+  EXPECT_EQ(failure.error.message.size(), 1999U);
+  EXPECT_EQ(refusedWith({protocol::ErrorCode::UnknownMethod, "no light", {}}).message,
+            "answered with an error: no light");
+}
+
 TEST(RemoteProcess, AStepLongerThanItsPeerTakesIsNotSentAndSaysWhatHelps) {
   turtle::QueryBatch queries;
   queries.step = 4;
