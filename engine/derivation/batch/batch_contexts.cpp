@@ -196,7 +196,7 @@ std::size_t BatchRewriter::matchSearched(const BatchRule& rule, std::uint8_t bit
     laneSite[count] = site;
     const bool isNearLeft = !startsLeft || leftType[site] == left;
     const bool isNearRight = !startsRight || rightType[site] == right;
-    count += ((siteBits[site] & bit) != 0) & isNearLeft & isNearRight ? 1 : 0;
+    count += (((siteBits[site] & bit) != 0) & isNearLeft & isNearRight) ? 1 : 0;
   }
   if (length > 1) {
     const auto end = std::remove_if(laneSite, laneSite + count, [&](std::uint32_t site) {
