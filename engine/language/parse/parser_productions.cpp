@@ -142,6 +142,7 @@ bool Parser::parseHead(ProductionSyntax& production) {
 bool Parser::parseSegments(std::vector<Segment>& segments, std::vector<Token>& separators) {
   segments.emplace_back();
   while (true) {
+    core::pollWork();
     const Token token = lexer_.peekSymbol();
     Segment& segment = segments.back();
     switch (token.kind) {
