@@ -10,6 +10,7 @@ import warnings
 from pathlib import Path
 from typing import List
 
+import point_files
 from support import GALLERY, PACKAGE, SECONDS, espalier, program, strings, variables
 
 from espalier import Client, ConnectionLost, EspalierError, Frame, ModelWarning, Server, ServerError
@@ -64,6 +65,30 @@ class ClientAndServer(unittest.TestCase):
         espalier("connect", address, "run", simulation)
         self.assertEqual(espalier("connect", address, "get", simulation, "string").stdout.strip(),
                          strings("branch-tiers")[-1])
+
+    def test_the_shell_sends_every_environment_of_the_gallery_that_is_json(self) -> None:
+        # a first step: the environment was read, with the files that it names
+        folders = [folder for folder in sorted(GALLERY.iterdir()) if (folder / f"{folder.name}.json").exists()]
+        self.assertGreater(len(folders), 10)
+        for folder in folders:
+            with self.subTest(folder.name):
+                made = espalier("connect", self.server.address, "create", str(folder), "--seed", "1")
+                simulation = self.client.simulation(made.stdout.strip())
+                self.assertNotEqual(simulation.get("information")["information"]["environment"], [])
+                simulation.step()
+                simulation.delete()
+
+    def test_the_shell_sends_the_files_that_a_configuration_names(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            model, cloud = Path(folder, "seeker.l"), Path(folder, "cloud.ply")
+            model.write_text("Lsystem: 1\nderivation length: 1\nAxiom: ?E(1,0,0,0,0)\nendlsystem\n")
+            cloud.write_bytes(point_files.ply([(0, 0, 2)]))
+            file = Path(folder, "points.json")
+            file.write_text('{"type":"attractors",\n"pointFile":"cloud.ply"}')
+            command = ["connect", self.server.address, "create", str(model), "--environment", str(file)]
+            self.assertTrue(espalier(*command).stdout.startswith("sim-"))
+            cloud.unlink()
+            self.assertIn("cloud.ply", espalier(*command, status=2).stderr)
 
     def test_the_shell_sends_what_a_model_reads_with_fopen(self) -> None:
         with tempfile.TemporaryDirectory() as folder:

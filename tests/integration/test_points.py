@@ -179,6 +179,8 @@ class Points(unittest.TestCase):
         whole = point_files.las(point_files.tree(20), 4, 6)
         patched = lambda at, data: whole[:at] + data + whole[at + len(data):]
         for content, says in ((whole[:100], "is cut short: it ends within the header of a LAS file"),
+                              (patched(131, struct.pack("<d", 0.0)), "has a scale that is not above 0"),
+                              (patched(147, struct.pack("<d", -0.001)), "has a scale that is not above 0"),
                               (whole[:-1], "is cut short: it holds 19 of its 20 points"),
                               (patched(247, struct.pack("<Q", 2 ** 63)), "has 9223372036854775808 points, more than 100000000"),
                               (patched(247, struct.pack("<Q", 90_000_000)), "is cut short: it holds 20 of its 90000000 points"),
@@ -198,7 +200,10 @@ class Points(unittest.TestCase):
                               (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\nend_header\n", "line 4: the type 'half' is unknown"),
                               (b"ply\nformat ascii 1.0\nhello\nend_header\n", "line 3: 'hello' is not expected there"),
                               (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n", "line 5: there is no element 'vertex' with x, y and z"),
-                              (point_files.ply([(1, 2, 3)]).replace(b"1 7 2", b"1 7 two"), "has no number where one of the point 0 should be"),
+                              (point_files.ply([(1, 2, 3)]).replace(b"1 7 2", b"1 7 two"), "has something that is no number in line 12"),
+                              (point_files.ply([(1, 2, 3), (4, 5, 6)]).replace(b"1 7 2 3.0", b"1 7 2 3.0 9").replace(b"1 7 2 3\n", b"1 7 2 3 9\n"), "has 5 numbers in line 12, and its points have 4"),
+                              (point_files.ply([(1, 2, 3), (4, 5, 6)]).replace(b"1 7 2", b"1 7"), "has 3 numbers in line 12, and its points have 4"),
+                              (point_files.ply([(1, 2, 3)]).replace(b"1 7 2", b"1 7 2,5"), "has a comma in line 12. Write decimal points"),
                               (point_files.ply([(1, 2, 3)])[:-3], "is cut short: it holds 0 of its 1 points"),
                               (point_files.ply([(1, 2, 3)], "binary_big_endian")[:-1], "is cut short: it holds 0 of its 1 points"),
                               (point_files.ply([(1, 2, 3)]).replace(b"vertex 1", b"vertex 4000000000"), "has 4000000000 points, more than"),

@@ -27,7 +27,8 @@ def hills(columns: int = 8, rows: int = 5) -> Heights:
     return [[100 + 0.25 * ((7 * column + 3 * row * row) % 11) for column in range(columns)] for row in range(rows)]
 
 
-def geotiff(heights: Heights, keys: Sequence[Tuple[int, int]] = ((1024, 1), (1025, 1), (3076, 9001)), is_placed: bool = True) -> bytes:
+def geotiff(heights: Heights, keys: Sequence[Tuple[int, int]] = ((1024, 1), (1025, 1), (3076, 9001)), is_placed: bool = True,
+            items: bytes = b"") -> bytes:
     """An uncompressed GeoTIFF of 32-bit reals by the pages of TIFF 6.0 and OGC 19-008r4: one strip."""
     rows, columns = len(heights), len(heights[0])
     data = b"".join(struct.pack(f"<{columns}f", *row) for row in heights)
@@ -38,7 +39,9 @@ def geotiff(heights: Heights, keys: Sequence[Tuple[int, int]] = ((1024, 1), (102
     if is_placed:
         entries += [(33550, 12, struct.pack("<3d", STEP, STEP, 0)), (33922, 12, struct.pack("<6d", 0, 0, 0, WEST, NORTH, 0))]
     entries.append((34735, 3, struct.pack("<4H", 1, 1, 0, len(keys)) + b"".join(struct.pack("<4H", key, 0, 1, value) for key, value in keys)))
-    sizes = {3: 2, 4: 4, 12: 8}
+    if items:
+        entries.append((42112, 2, b"<GDALMetadata>" + items + b"</GDALMetadata>\0"))
+    sizes = {2: 1, 3: 2, 4: 4, 12: 8}
     directory, values = b"", b""
     start = 8 + len(data)
     behind = start + 2 + 12 * len(entries) + 4
@@ -94,6 +97,18 @@ class Terrain(unittest.TestCase):
         points = self.write("points.tif", geotiff(hills(), ((1024, 1), (1025, 2), (3076, 9001))))
         self.assertEqual(self.heights(points)[1]["position"][:2], [WEST - STEP / 2, NORTH - 5 * STEP + STEP / 2])
 
+    def test_heights_have_the_scale_and_the_offset_of_the_file(self) -> None:
+        items = b'<Item name="OFFSET" sample="0" role="offset">10</Item><Item name="SCALE" sample="0" role="scale">0.5</Item>'
+        found, _ = self.heights(self.write("scaled.tif", geotiff(hills(), items=items)))
+        self.assertEqual(found, [[0.5 * height + 10 for height in row] for row in hills()])
+
+    def test_a_system_known_by_its_number_gives_the_unit(self) -> None:
+        # UTM 33 N has metres; New York Long Island, alone or with heights of its own, has US survey feet
+        self.assertEqual(self.heights(self.write("utm.tif", geotiff(hills(), ((1024, 1), (1025, 1), (3072, 32633)))))[1]["unit"], "m")
+        for keys in (((1024, 1), (3072, 2263)), ((1024, 1), (3072, 2263), (4096, 6360))):
+            run = espalier("field", str(self.write("feet.tif", geotiff(hills(), keys))), status=1)
+            self.assertIn("has lengths in the unit 9003 of EPSG, which is not the metre", run.stderr)
+
     @unittest.skipUnless(shutil.which("gdalinfo") and shutil.which("gdal_translate"), "gdal-bin is not installed")
     def test_gdal_agrees(self) -> None:
         file = self.write("hills.tif", geotiff(hills(70, 50)))
@@ -134,6 +149,7 @@ class Terrain(unittest.TestCase):
                               (geotiff(hills(), ((1024, 2),)), "has coordinates in degrees. Convert it to a projection in metres"),
                               (geotiff(hills(), ((1024, 1), (3076, 9002))), "has lengths in the unit 9002 of EPSG, which is not the metre"),
                               (geotiff(hills(), ((1024, 1), (4099, 9003))), "has lengths in the unit 9003 of EPSG, which is not the metre"),
+                              (geotiff(hills(), items=b'<Item role="scale">inf</Item>'), "has a scale or an offset that is no finite number"),
                               (geotiff(hills(), is_placed=False), "does not say where it lies"),
                               (geotiff([[1.0, 2.0]]), "has 2 x 1 heights. A ground needs at least 2 x 2"),
                               (geotiff([[1.0, 2.0], [3.0, float("nan")]]), "has 1 of 4 cells without a height. Fill them"),

@@ -16,6 +16,7 @@
 #include "clients/espalier/messages.h"
 #include "clients/espalier/result.h"
 #include "clients/espalier/server_connection.h"
+#include "clients/espalier/sweep/swept_environment.h"
 #include "engine/files/utf8.h"
 #include "engine/language/compiler.h"
 #include "protocol/base64.h"
@@ -145,6 +146,33 @@ void writeModelFiles(protocol::JsonWriter& params, const server::ModelFiles& mod
   }
 }
 
+/// The text of a configuration as an array in one line, for the wire.
+Result<std::string> arrayOf(std::string json) {
+  if (const auto fault = protocol::jsonProblem(json)) {
+    return problem("the environment is not JSON: " + *fault);
+  }
+  // newlines between JSON tokens mean nothing
+  std::replace(json.begin(), json.end(), '\n', ' ');
+  std::replace(json.begin(), json.end(), '\r', ' ');
+  const std::size_t first = json.find_first_not_of(" \t");
+  const bool isArray = first != std::string::npos && json[first] == '[';
+  return isArray ? json : "[" + json + "]";
+}
+
+/// A configuration file (.json) as an array. The files that it names are in it: the server need not have them.
+Result<std::string> configurationArray(const std::string& file) {
+  server::DiskFileProvider files;
+  const auto text = files.read(file);
+  if (!text) {
+    return problem("the environment file '" + file + "' cannot be read");
+  }
+  const auto whole = readConfiguration(*text, file, files);
+  if (!whole) {
+    return problem(whole.error());
+  }
+  return arrayOf(whole->empty() ? *text : *whole);
+}
+
 /// `NAME`, `tcp://HOST:PORT`, `offered:NAME`, `stdio:COMMAND`, a JSON text or a .json file, as the environment array.
 Result<std::string> environmentArray(const std::string& text) {
   const auto entryOf = [](std::string_view type, std::string_view key = {}, std::string_view value = {}) {
@@ -164,34 +192,21 @@ Result<std::string> environmentArray(const std::string& text) {
   if (text.starts_with("stdio:")) {
     return entryOf("stdio", "command", text.substr(6));
   }
-  std::string json = text;
   if (text.ends_with(".json")) {
-    auto read = server::DiskFileProvider().read(text);
-    if (!read) {
-      return problem("the environment file '" + text + "' cannot be read");
-    }
-    json = std::move(*read);
-  } else if (text.find_first_of("[{") == std::string::npos) {
+    return configurationArray(text);
+  }
+  if (text.find_first_of("[{") == std::string::npos) {
     return entryOf(text);
   }
-  if (const auto fault = protocol::jsonProblem(json)) {
-    return problem("the environment is not JSON: " + *fault);
-  }
-  // one line on the wire; newlines between JSON tokens mean nothing
-  std::replace(json.begin(), json.end(), '\n', ' ');
-  std::replace(json.begin(), json.end(), '\r', ' ');
-  const std::size_t first = json.find_first_not_of(" \t");
-  const bool isArray = first != std::string::npos && json[first] == '[';
-  return isArray ? json : "[" + json + "]";
+  return arrayOf(text);
 }
 
-/// The published environment file (.e) beside a model with the files that it names, as the environment array. Prints an
-/// error and returns nothing when it cannot be read.
-std::optional<std::string> publishedFileArray(const std::string& file, const std::string& compatibility) {
+/// The published environment file (.e) beside a model with the files that it names, as the environment array.
+Result<std::string> publishedFileArray(const std::string& file, const std::string& compatibility) {
   server::DiskFileProvider files(16'000'000);
   const auto loaded = loadEnvironment(file, server::toCompatibility(compatibility), false, files);
   if (!loaded) {
-    return std::nullopt;
+    return problem("the environment file '" + file + "' cannot be used: see above");
   }
   // names relative to the folder of the file: the server need not know the folder
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
@@ -238,8 +253,10 @@ int create(Client& client, const ConnectOptions& options) {
     }
     params.key("environment").raw(*array);
   } else if (!environmentFile.empty()) {
-    const auto array = publishedFileArray(environmentFile, options.compatibility);
+    const auto array = environmentFile.ends_with(".json") ? configurationArray(environmentFile)
+                                                          : publishedFileArray(environmentFile, options.compatibility);
     if (!array) {
+      printError(array.error());
       return kFailure;
     }
     params.key("environment").raw(*array);

@@ -92,6 +92,9 @@ tl::expected<LasHeader, std::string> readHeader(const LasBytes& file) {
       return tl::unexpected(std::string("has a scale or an offset that is no number. Get an undamaged copy"));
     }
   }
+  if (!(header.scale.x > 0 && header.scale.y > 0 && header.scale.z > 0)) {
+    return tl::unexpected(std::string("has a scale that is not above 0. Get an undamaged copy"));
+  }
   if (header.count > kMostCloudPoints) {
     return tl::unexpected("has " + std::to_string(header.count) + " points, more than " +
                           std::to_string(kMostCloudPoints) + ". Thin it out or cut it into tiles");

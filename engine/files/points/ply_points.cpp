@@ -155,22 +155,47 @@ double numberAt(std::string_view bytes, std::size_t at, const PlyType& type, boo
   return static_cast<double>(bits);
 }
 
-/// The vertices of an ascii body.
-std::optional<std::string> readAscii(std::string_view body, const PlyHeader& header, PointCloud& cloud) {
-  const char* at = body.data();
-  const char* const end = at + body.size();
-  for (std::uint64_t i = 0; i < header.count; ++i) {
+/// The vertices of an ascii body, one in a line. Empty lines are passed over. `line` is the number of the first line.
+std::optional<std::string> readAscii(std::string_view body, const PlyHeader& header, std::size_t line,
+                                     PointCloud& cloud) {
+  const auto isSpace = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  const auto cutShort = [&] {
+    return "is cut short: it holds " + std::to_string(cloud.points.size()) + " of its " + std::to_string(header.count) +
+           " points. Get a complete copy";
+  };
+  while (cloud.points.size() < header.count) {
+    if (body.empty()) {
+      return cutShort();
+    }
+    const std::string_view row = body.substr(0, body.find('\n'));
+    body.remove_prefix(std::min(body.size(), row.size() + 1));
+    const auto place = [line] { return " in line " + std::to_string(line); };
+    ++line;
+    const char* at = row.data();
+    const char* const end = at + row.size();
     std::array<double, 4> values{};
-    for (const PlyProperty& property : header.properties) {
-      at = std::find_if(at, end, [](char c) { return c != ' ' && c != '\t' && c != '\r' && c != '\n'; });
-      const auto [rest, error] = std::from_chars(at, end, values[property.axis]);
-      if (error != std::errc() || (rest != end && *rest != ' ' && *rest != '\t' && *rest != '\r' && *rest != '\n')) {
-        return at == end
-                   ? "is cut short: it holds " + std::to_string(i) + " of its " + std::to_string(header.count) +
-                         " points. Get a complete copy"
-                   : "has no number where one of the point " + std::to_string(i) + " should be. Get an undamaged copy";
+    std::size_t count = 0;
+    for (at = std::find_if_not(at, end, isSpace); at != end; at = std::find_if_not(at, end, isSpace)) {
+      const std::size_t axis = count < header.properties.size() ? header.properties[count].axis : values.size() - 1;
+      const auto [rest, error] = std::from_chars(at, end, values[axis]);
+      if (rest != end && *rest == ',') {
+        return "has a comma" + place() + ". Write decimal points, and spaces between the numbers";
+      }
+      if (error != std::errc() || (rest != end && !isSpace(*rest))) {
+        return "has something that is no number" + place() + ". Get an undamaged copy";
       }
       at = rest;
+      ++count;
+    }
+    if (count == 0) {
+      continue;
+    }
+    if (count < header.properties.size() && body.empty()) {
+      return cutShort();
+    }
+    if (count != header.properties.size()) {
+      return "has " + std::to_string(count) + " numbers" + place() + ", and its points have " +
+             std::to_string(header.properties.size()) + ". Write one point in a line";
     }
     cloud.points.push_back({values[0], values[1], values[2]});
   }
@@ -213,8 +238,10 @@ PointCloudOrProblem readPlyPoints(std::string_view bytes) {
   }
   PointCloud cloud;
   const std::string_view body = bytes.substr(header->body);
-  auto problem =
-      header->format == PlyFormat::Ascii ? readAscii(body, *header, cloud) : readBinary(body, *header, cloud);
+  const auto linesBefore = std::ranges::count(bytes.substr(0, header->body), '\n');
+  auto problem = header->format == PlyFormat::Ascii
+                     ? readAscii(body, *header, static_cast<std::size_t>(linesBefore) + 1, cloud)
+                     : readBinary(body, *header, cloud);
   if (problem) {
     return tl::unexpected(std::move(*problem));
   }

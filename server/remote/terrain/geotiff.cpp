@@ -3,6 +3,7 @@
 #if __has_include(<geotiff/geotiff.h>) && __has_include(<tiffio.h>)
 #define ESPALIER_HAS_GEOTIFF 1
 #include <dlfcn.h>
+#include <geotiff/geo_normalize.h>
 #include <geotiff/geokeys.h>
 #include <geotiff/geotiff.h>
 #include <geotiff/geovalues.h>
@@ -29,6 +30,7 @@ namespace {
 constexpr const char* kLibrary = "libgeotiff.so.5";
 constexpr std::uint64_t kMostTileBytes = std::uint64_t{64} << 20;
 constexpr tmsize_t kMostBytes = tmsize_t{256} << 20;  // that libtiff takes at once
+constexpr std::uint32_t kMetadataTag = 42112;         // of GDAL
 constexpr std::uint32_t kNoDataTag = 42113;           // of GDAL
 constexpr const char* kAsMetres = ". Convert it to a projection in metres, as with gdalwarp";
 
@@ -52,6 +54,9 @@ struct Functions {
   decltype(&::GTIFNewEx) makeKeys = nullptr;
   decltype(&::GTIFFree) freeKeys = nullptr;
   decltype(&::GTIFKeyGetSHORT) keyOf = nullptr;
+  decltype(&::GTIFAllocDefn) makeDefinition = nullptr;
+  decltype(&::GTIFGetDefn) define = nullptr;
+  decltype(&::GTIFFreeDefn) freeDefinition = nullptr;
 };
 
 /// Loads the libraries; nothing when they are not installed. They stay loaded.
@@ -84,6 +89,9 @@ std::optional<Functions> load() {
   find(functions.makeKeys, "GTIFNewEx");
   find(functions.freeKeys, "GTIFFree");
   find(functions.keyOf, "GTIFKeyGetSHORT");
+  find(functions.makeDefinition, "GTIFAllocDefn");
+  find(functions.define, "GTIFGetDefn");
+  find(functions.freeDefinition, "GTIFFreeDefn");
   if (!isComplete) {
     return std::nullopt;
   }
@@ -204,8 +212,18 @@ class GeoTiff {
     };
     const auto model = keyOf(GTModelTypeGeoKey);
     const auto raster = keyOf(GTRasterTypeGeoKey);
-    const auto across = keyOf(ProjLinearUnitsGeoKey);
+    auto across = keyOf(ProjLinearUnitsGeoKey);
     const auto upward = keyOf(VerticalUnitsGeoKey);
+    const auto system = keyOf(ProjectedCSTypeGeoKey);
+    if (!across && system && *system != KvUserDefined) {
+      // a system known by its number alone: its unit stands in the library's tables
+      GTIFDefn* const definition = call_.makeDefinition();
+      if (call_.define(keys, definition) == 1 && definition->PCS == static_cast<short>(*system) &&
+          definition->UOMLength > 0 && definition->UOMLength != KvUserDefined) {
+        across = static_cast<unsigned short>(definition->UOMLength);
+      }
+      call_.freeDefinition(definition);
+    }
     call_.freeKeys(keys);
     isPoint_ = raster == RasterPixelIsPoint;
     if (model == ModelTypeGeographic) {
@@ -326,6 +344,24 @@ class GeoTiff {
     return error == std::errc() ? std::optional(value) : std::nullopt;
   }
 
+  /// The number of an item of GDAL's metadata, as `<Item name="SCALE" sample="0" role="scale">0.01</Item>`.
+  [[nodiscard]] std::optional<double> itemOf(const std::string& role) {
+    std::uint32_t count = 0;
+    const char* text = nullptr;
+    if (call_.get(file_, kMetadataTag, &count, &text) != 1 || text == nullptr) {
+      return std::nullopt;
+    }
+    const std::string_view items(text, ::strnlen(text, count));
+    const std::size_t at = items.find("role=\"" + role + "\"");
+    const std::size_t begin = at == std::string_view::npos ? at : items.find('>', at);
+    double value = 0.0;
+    if (begin == std::string_view::npos ||
+        std::from_chars(items.data() + begin + 1, items.data() + items.size(), value).ec != std::errc()) {
+      return std::nullopt;
+    }
+    return value;
+  }
+
   Problem checkHeights() {
     const std::optional<double> none = noData();
     const auto isMissing = [&](double height) { return !(std::abs(height) < 1e100) || (none && height == *none); };
@@ -333,6 +369,14 @@ class GeoTiff {
     if (missing > 0) {
       return "has " + std::to_string(missing) + " of " + std::to_string(terrain_.heights.size()) +
              " cells without a height. Fill them, as with gdal_fillnodata.py, or cut out a part";
+    }
+    const double scale = itemOf("scale").value_or(1.0);
+    const double offset = itemOf("offset").value_or(0.0);
+    for (double& height : terrain_.heights) {
+      height = height * scale + offset;
+    }
+    if (std::ranges::any_of(terrain_.heights, [](double height) { return !(std::abs(height) < 1e100); })) {
+      return std::string("has a scale or an offset that is no finite number. Get an undamaged copy");
     }
     return std::nullopt;
   }
