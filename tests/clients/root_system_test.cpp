@@ -106,8 +106,16 @@ TEST(RootSystem, DaysOfEmergenceAreStepsOfAnAnimation) {
   ASSERT_TRUE(roots) << roots.error();
   const std::string model = modelOf(*roots);
   EXPECT_EQ(model.substr(0, model.find("\nW(t")),
+            "Lsystem: 1\nderivation length: 5\nAxiom: [@M(0,0,0)W(2,0,0,-1,0.2,1,0,1)W(5,0,0,-1,0.2,1,0.5,1)V(5,0,1)]");
+  // a day below 0 makes the first day the beginning
+  const auto earlier = readRootTable(
+      "node\tparent\tx\ty\tz\tradius\torder\temergence\n0\t-1\t0\t0\t0\t0.1\t1\t-2\n1\t0\t0\t0\t-1\t0.1\t1\t-2\n"
+      "2\t1\t0\t0\t-2\t0.1\t1\t1\n");
+  ASSERT_TRUE(earlier) << earlier.error();
+  const std::string shifted = modelOf(*earlier);
+  EXPECT_EQ(shifted.substr(0, shifted.find("\nW(t")),
             "Lsystem: 1\nderivation length: 3\nAxiom: [@M(0,0,0)@R(0,0,-1)!(0.2)F(1)?E(0,1,0,0,0,0,0,0,0,0)"
-            "W(3,0,0,-1,0.2,1,0.5,1)V(3,0,1)]");
+            "W(3,0,0,-1,0.2,1,0,1)]");
   // without days, or within one, it stands from the start
   EXPECT_TRUE(modelOf(*readRootTable(kTable)).starts_with("Lsystem: 1\nderivation length: 1\nAxiom: [@M(0,0,0)@R("));
 }

@@ -97,6 +97,16 @@ class RootSystems(unittest.TestCase):
         values = {sample.get("value") for sample in ElementTree.parse(files[1]).findall(".//function[@name='emergence_time']/sample")}
         self.assertEqual(values, {"0", "0.5", "1", "1.5", "2"})
 
+    def test_days_that_begin_late_stay_as_they_are(self) -> None:
+        self.write_with_days((3, 3, 4, 6, 5, 7, 7))
+        files = [self.folder / name for name in ("one.rsml", "two.rsml")]
+        espalier("run", str(self.table), "--every", "-o", str(files[0]))
+        espalier("run", str(files[0]), "--every", "-o", str(files[1]))
+        for file in files:
+            values = {sample.get("value") for sample in ElementTree.parse(file).findall(".//function[@name='emergence_time']/sample")}
+            self.assertEqual(values, {"3", "4", "5", "6", "7"})
+        self.assertEqual(*(file.read_bytes() for file in files))
+
     def test_a_time_series_of_files_is_an_animation(self) -> None:
         self.write_with_days((0, 0, 1, 3, 2, 4, 4))
         whole, again = self.folder / "whole.rsml", self.folder / "again.rsml"

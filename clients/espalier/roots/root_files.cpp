@@ -275,15 +275,17 @@ std::pair<double, double> daysOf(const RootSystem& roots) {
   return {first, last};
 }
 
-/// One step a day up to the last emergence. The segments of the first day are there at step 0, and no segment appears
-/// before its parent.
+/// One step a day up to the last emergence, and no segment appears before its parent. Step 0 is day 0, so that days
+/// stay as they are when the roots are written again; it is the first day where that is below 0 or the last is too far
+/// away.
 Appearance appearanceOf(const RootSystem& roots) {
   const auto [first, last] = daysOf(roots);
   const double days = std::floor(last - first);
   if (!(days >= 1.0 && days <= kMostDays)) {
     return {};
   }
-  Appearance appearance{.step = {}, .last = static_cast<std::uint64_t>(days)};
+  const bool isFromZero = first >= 0.0 && last <= kMostDays;
+  Appearance appearance{.step = {}, .last = static_cast<std::uint64_t>(isFromZero ? std::floor(last) : days)};
   for (const RootSystem::Node& node : roots.nodes) {
     const std::uint64_t parent = node.parent == RootSystem::kNone ? 0 : appearance.step[node.parent];
     appearance.step.push_back(
