@@ -12,10 +12,34 @@
 namespace espalier::command {
 namespace fs = std::filesystem;
 
+namespace {
+
+/// Replaces the name of the table of weather by its text. False: an error was printed.
+bool embedWeather(protocol::WorldRecord& record, const std::string& file, core::FileProvider& files) {
+  if (record.weather.empty()) {
+    return true;
+  }
+  const std::string table = (fs::path(file).parent_path() / record.weather).string();
+  std::optional<std::string> text = files.read(table);
+  if (!text) {
+    printError(file + ": there is no table of weather '" + table + "': check 'weather'");
+    return false;
+  }
+  record.weather = std::move(*text);
+  return true;
+}
+
+}  // namespace
+
 std::string worldFileOf(const ModelOptions& options) {
   std::error_code error;
   const fs::path inside = fs::path(options.model) / kWorldFile;
   return fs::is_directory(options.model, error) && fs::is_regular_file(inside, error) ? inside.string() : std::string();
+}
+
+std::optional<protocol::WorldRecord> readWorldFile(const std::string& file, core::FileProvider& files) {
+  auto record = decodeJsonFile(file, "world file", files, protocol::decodeWorld);
+  return record && embedWeather(*record, file, files) ? record : std::nullopt;
 }
 
 std::optional<turtle::World> loadWorld(const ModelOptions& options, const std::string& file,
@@ -33,14 +57,8 @@ std::optional<turtle::World> completeWorld(protocol::WorldRecord record, const s
   if (!options.stepDuration.empty()) {
     record.stepDurationDays = *protocol::daysOfDuration(options.stepDuration);
   }
-  if (!record.weather.empty()) {
-    const std::string table = (fs::path(file).parent_path() / record.weather).string();
-    std::optional<std::string> text = files.read(table);
-    if (!text) {
-      printError(file + ": there is no table of weather '" + table + "': check 'weather'");
-      return std::nullopt;
-    }
-    record.weather = std::move(*text);
+  if (!embedWeather(record, file, files)) {
+    return std::nullopt;
   }
   auto world = server::toWorld(record);
   if (!world) {

@@ -16,6 +16,10 @@ inline constexpr const char* kWorldFile = "world.json";
 /// The world.json of the folder that `options` names as its model; empty: there is none.
 [[nodiscard]] std::string worldFileOf(const ModelOptions& options);
 
+/// The world in a file with the text of its table of weather, as a server takes it. Prints errors on standard error and
+/// returns nothing after an error.
+[[nodiscard]] std::optional<protocol::WorldRecord> readWorldFile(const std::string& file, core::FileProvider& files);
+
 /// The world of a run: that of --world, else of `file` (empty: the default), with --step-duration. Prints errors on
 /// standard error and returns nothing after an error.
 [[nodiscard]] std::optional<turtle::World> loadWorld(const ModelOptions& options, const std::string& file,

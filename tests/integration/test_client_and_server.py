@@ -78,6 +78,14 @@ class ClientAndServer(unittest.TestCase):
                 simulation.step()
                 simulation.delete()
 
+    def test_the_shell_sends_the_world_of_a_folder_with_its_weather(self) -> None:
+        for name in ("wilting-plant", "sun-and-shade"):
+            folder = str(GALLERY / name)
+            simulation = espalier("connect", self.server.address, "create", folder, "--seed", "1").stdout.strip()
+            self.client.simulation(simulation).step(3)
+            self.assertEqual(espalier("connect", self.server.address, "get", simulation, "string").stdout.strip(),
+                             espalier("derive", folder, "--seed", "1", "--steps", "3").stdout.strip())
+
     def test_the_shell_sends_the_files_that_a_configuration_names(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             model, cloud = Path(folder, "seeker.l"), Path(folder, "cloud.ply")

@@ -17,9 +17,11 @@
 #include "clients/espalier/result.h"
 #include "clients/espalier/server_connection.h"
 #include "clients/espalier/sweep/swept_environment.h"
+#include "clients/espalier/world_file.h"
 #include "engine/files/utf8.h"
 #include "engine/language/compiler.h"
 #include "protocol/base64.h"
+#include "protocol/codec.h"
 #include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 #include "server/remote/disk_files.h"
@@ -260,6 +262,16 @@ int create(Client& client, const ConnectOptions& options) {
       return kFailure;
     }
     params.key("environment").raw(*array);
+  }
+  ModelOptions folder;
+  folder.model = options.model;
+  if (const std::string worldFile = worldFileOf(folder); !worldFile.empty()) {
+    server::DiskFileProvider files;
+    const auto world = readWorldFile(worldFile, files);
+    if (!world) {
+      return kFailure;
+    }
+    protocol::write(params, *world);
   }
   if (options.seed) {
     params.key("seed").integer(*options.seed);
