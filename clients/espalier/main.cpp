@@ -16,6 +16,7 @@
 #include "clients/espalier/messages.h"
 #include "engine/core/check.h"
 #include "engine/core/diagnostic.h"
+#include "engine/core/simulation_error.h"
 #include "server/remote/partial_file.h"
 
 namespace {
@@ -167,6 +168,10 @@ int main(int argumentCount, char** arguments) {
     return kFailure;
   } catch (const std::bad_alloc&) {
     printError("out of memory: run fewer steps, or use a machine with more memory");
+    return kFailure;
+  } catch (const espalier::core::SimulationFailure& failure) {
+    // outside of a simulation: a library that cannot be loaded
+    printError(failure.what());
     return kFailure;
   } catch (const std::exception& error) {
     printError(std::string("this is a bug of Espalier, please report it: ") + error.what());

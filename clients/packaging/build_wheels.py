@@ -18,6 +18,8 @@ import espalier_build  # noqa: E402
 
 # parts of the C library, which every system has in its own version
 OF_THE_SYSTEM = re.compile(r"^(?:linux-vdso|ld-linux|lib(?:c|m|dl|rt|pthread|resolv|util)\.so)")
+# loaded when a user names a file that needs it, and not missed without it
+OPTIONAL = {b"libgeotiff.so.5"}
 ENTRY_POINTS = "[console_scripts]\nespalier = espalier.program:main\n"
 
 
@@ -25,10 +27,28 @@ def said(*command: str) -> str:
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
+def linked(file: Path) -> dict[str, Path]:
+    """The shared libraries that the loader finds for a file, without those of the system."""
+    found = re.findall(r"^\s*(\S+) => (\S+)", said("ldd", str(file)), re.MULTILINE)
+    return {name: Path(path) for name, path in found if not OF_THE_SYSTEM.match(name)}
+
+
+def loaded_later(program: Path) -> list[str]:
+    """The names of the libraries that a program loads when it needs them (environment/base/loaded_library.h)."""
+    names = set(re.findall(rb"\0(lib[\w.+-]+\.so\.\d+)(?=\0)", program.read_bytes())) - OPTIONAL
+    return sorted(name.decode() for name in names if name.decode() not in said("readelf", "--dynamic", str(program)))
+
+
 def libraries(program: Path) -> list[Path]:
-    """The shared libraries of a program that do not belong to the system."""
-    found = re.findall(r"^\s*(\S+) => (\S+)", said("ldd", str(program)), re.MULTILINE)
-    return [Path(path) for name, path in found if not OF_THE_SYSTEM.match(name)]
+    """The shared libraries of a program that do not belong to the system, and those that they need."""
+    found = linked(program)
+    folders = sorted({path.parent for path in found.values()})
+    for name in loaded_later(program):
+        path = next((folder / name for folder in folders if (folder / name).exists()), None)
+        if path is None:
+            sys.exit(f"{name}, which {program} loads, is in none of {', '.join(map(str, folders))}. Install its package.")
+        found |= {name: path, **linked(path)}
+    return list(found.values())
 
 
 def needed_c_library(files: list[Path]) -> tuple[int, int]:

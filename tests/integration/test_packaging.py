@@ -87,6 +87,23 @@ class FromHelp(unittest.TestCase):
                 self.assertEqual((done.returncode, done.stderr), (0, ""), shell)
 
 
+class Libraries(unittest.TestCase):
+    @unittest.skipUnless(shutil.which("readelf"), "readelf is not installed (Debian: binutils)")
+    def test_commands_that_need_neither_light_nor_tls_load_no_library_for_them(self) -> None:
+        path = Path(program()).resolve()
+        at_start = " ".join(build_wheels.linked(path))
+        later = build_wheels.loaded_later(path)
+        for library in ("libssl", "libcrypto", "libembree"):
+            self.assertNotIn(library, at_start)
+            self.assertEqual(sum(name.startswith(library) for name in later), 1, later)
+        self.assertNotIn("libtbb", at_start)
+        # a wheel has them nevertheless, with what they need themselves
+        names = [each.name for each in build_wheels.libraries(path)]
+        self.assertEqual([name for name in later if name not in names], [])
+        self.assertTrue(any(name.startswith("libtbb") for name in names), names)
+        self.assertEqual(len(names), len(set(names)))
+
+
 class Wheels(unittest.TestCase):
     @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes long: ./dev test --all long")
     @unittest.skipUnless(shutil.which("patchelf") and shutil.which("objdump"), "patchelf is not installed (Debian: patchelf)")
@@ -107,9 +124,13 @@ class Wheels(unittest.TestCase):
                 wheel.extractall(folder)
             copy = Path(folder) / "espalier" / "bin" / "espalier"
             copy.chmod(0o755)
-            done = subprocess.run(["ldd", str(copy)], capture_output=True, text=True, timeout=SECONDS, check=True)
-            self.assertIn(f"{copy.parent}/lib/libembree3.so.3", done.stdout.replace("bin/lib/../lib", "bin/lib"))
-            self.assertNotIn("not found", done.stdout)
+            for file in (copy, *(copy.parent / "lib").iterdir()):
+                done = subprocess.run(["ldd", str(file)], capture_output=True, text=True, timeout=SECONDS, check=True)
+                self.assertNotIn("not found", done.stdout, file)
+            # its own library, not the system's
+            done = subprocess.run([str(copy), "derive", str(REPOSITORY / "clients" / "gallery" / "sun-and-shade"), "--steps", "2"],
+                                  capture_output=True, text=True, timeout=SECONDS, check=True, env={"LD_DEBUG": "files"})
+            self.assertIn(f"{copy.parent}/lib/libembree3.so.3", done.stderr.replace("bin/lib/../lib", "bin/lib"))
 
 
 if __name__ == "__main__":
