@@ -27,7 +27,7 @@ double BatchRewriter::draw(std::uint64_t module) {
 void BatchRewriter::chooseByThresholds(const BatchGroup& group, std::span<const std::uint32_t> sites) {
   const BatchRule* rules = plan_->rules().data() + group.firstRule;
   if (group.ruleCount == 1) {
-    accept(*rules, match(*rules, 1, sites));
+    accept(*rules, match(*rules, sites));
     return;
   }
   // the draws of the whole chunk at once, unless few sites need them
@@ -92,7 +92,7 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
     // the rules that match at each site, and their weights
     std::fill_n(isMatched_.begin(), group.ruleCount * kLanes, std::uint8_t{0});
     for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
-      std::size_t count = match(rules[k], static_cast<std::uint8_t>(1U << std::min(k, 7U)), part);
+      std::size_t count = match(rules[k], part);
       count = keepWhereTrue(rules[k], count);
       if (count == 0) {
         continue;
@@ -132,7 +132,7 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
         count += chosenRule_[i] == k ? 1 : 0;
       }
       if (count > 0) {
-        const std::size_t matched = match(rules[k], 0xFF, {remaining_.data(), count});
+        const std::size_t matched = match(rules[k], {remaining_.data(), count});
         // all of them hold
         accept(rules[k], rules[k].hasBefore ? keepWhereTrue(rules[k], matched) : matched);
       }

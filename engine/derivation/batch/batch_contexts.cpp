@@ -8,7 +8,7 @@ namespace espalier::derivation {
 
 using core::ModuleTypeId;
 
-std::size_t BatchRewriter::match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites) {
+std::size_t BatchRewriter::match(const BatchRule& rule, std::span<const std::uint32_t> sites) {
   std::size_t lane = laneCount_;
   switch (rule.context) {
     case BatchRule::Context::None:
@@ -25,7 +25,7 @@ std::size_t BatchRewriter::match(const BatchRule& rule, std::uint8_t bit, std::s
       }
       break;
     case BatchRule::Context::Searched:
-      return matchSearched(rule, bit, sites);
+      return matchSearched(rule, sites);
   }
   return lane - laneCount_;
 }
@@ -161,8 +161,7 @@ void BatchRewriter::findRight(std::span<const std::uint32_t> sites) {
   }
 }
 
-std::size_t BatchRewriter::matchSearched(const BatchRule& rule, std::uint8_t bit,
-                                         std::span<const std::uint32_t> sites) {
+std::size_t BatchRewriter::matchSearched(const BatchRule& rule, std::span<const std::uint32_t> sites) {
   std::uint32_t* const laneSite = laneSite_.data() + laneCount_;
   std::uint64_t* const laneRow = laneLeft_.data() + laneCount_;
   if (rule.sharesPlaces) {
@@ -196,7 +195,7 @@ std::size_t BatchRewriter::matchSearched(const BatchRule& rule, std::uint8_t bit
     laneSite[count] = site;
     const bool isNearLeft = !startsLeft || leftType[site] == left;
     const bool isNearRight = !startsRight || rightType[site] == right;
-    count += (((siteBits[site] & bit) != 0) & isNearLeft & isNearRight) ? 1 : 0;
+    count += (((siteBits[site] & rule.mark) != 0) & isNearLeft & isNearRight) ? 1 : 0;
   }
   if (length > 1) {
     const auto end = std::remove_if(laneSite, laneSite + count, [&](std::uint32_t site) {

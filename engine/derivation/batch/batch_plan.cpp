@@ -510,12 +510,20 @@ void BatchPlan::makePairs(const language::Program& program, const ContextRules& 
 void BatchPlan::makeSiteMarks(const language::Program& program, const ContextRules& rules) {
   const std::size_t typeCount = program.moduleTypeCount();
   siteMarks_.own.assign(candidateBits_.begin(), candidateBits_.begin() + static_cast<std::ptrdiff_t>(typeCount));
+  for (const BatchGroup& group : groups_) {
+    for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
+      rules_[group.firstRule + k].mark = bitOf(k);
+    }
+  }
   if (!hasPairs_) {
     return;
   }
   // one table for each side instead of pairs: rules have marks of their own as far as there are marks
   const auto markOf = [](std::size_t rule) { return static_cast<std::uint8_t>(1U << (rule % kRuleMarks)); };
   needsPairBits_ = rules_.size() > kRuleMarks;
+  for (std::size_t i = 0; i < rules_.size() && !needsPairBits_; ++i) {
+    rules_[i].mark = markOf(i);
+  }
   siteMarks_.before.assign(typeCount, kAnywhere);
   siteMarks_.behind.assign(typeCount, kAnywhere);
   for (std::size_t i = 0; i < typeCount; ++i) {
@@ -532,7 +540,6 @@ void BatchPlan::makeSiteMarks(const language::Program& program, const ContextRul
     const bool isOpen = type == program.openBranch;
     for (std::size_t rule = 0; rule < rules_.size(); ++rule) {
       const Production& production = *rules_[rule].production;
-      needsPairBits_ = needsPairBits_ || rules_[rule].context == BatchRule::Context::Searched;
       if (rules.isIgnored(type) || canBeNext(production.leftContext, type, isOpen || type == program.closeBranch)) {
         siteMarks_.before[i] |= markOf(rule);
       }

@@ -57,6 +57,7 @@ struct BatchRule {
   bool hasBehind = false;           // `behind` does something
   bool keepsPlaces = false;         // Searched: a later rule of the group has the same contexts
   bool sharesPlaces = false;        // Searched: an earlier rule has searched, and found the same places
+  std::uint8_t mark = 0;            // bit of a site (ModuleFinder) where the nearest modules allow the rule
   bool startsLeft = false;          // Searched: the group looks left, and the search goes on behind that module
   bool startsRight = false;         // Searched: the same on the right
 };
@@ -148,7 +149,7 @@ class BatchPlan {
 
   /// The marks that find the modules that may change: at least those with a bit in the tables above. The bits differ.
   [[nodiscard]] const ModuleFinder::Marks& siteMarks() const { return siteMarks_; }
-  /// Whether the tables above rule out more modules than the marks, or a batch needs their bits.
+  /// Whether the tables above rule out more modules than the marks. Then their bits take the place of the marks.
   [[nodiscard]] bool needsPairBits() const { return needsPairBits_; }
 
   [[nodiscard]] std::size_t largestSlotCount() const { return largestSlotCount_; }

@@ -68,7 +68,7 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       contexts_(program, rules, kChunkModules),
       siteRow_(kChunkModules),
       keptLocals_(2 * kChunkModules * plan.largestKeptCount()),
-      own_(ColumnEvaluator::kLanes),
+      true_(ColumnEvaluator::kLanes),
       modules_(ColumnEvaluator::kLanes),
       words_(kChunkModules + 8),
       positions_(kChunkModules) {
@@ -330,7 +330,7 @@ void BatchRewriter::chooseFirst(const BatchGroup& group, std::span<const std::ui
   std::uint32_t* const remaining = remaining_.data();
   for (std::uint32_t i = 0; i < group.ruleCount && !sites.empty(); ++i) {
     const BatchRule& rule = plan_->rules()[group.firstRule + i];
-    std::size_t count = match(rule, static_cast<std::uint8_t>(1U << std::min(i, 7U)), sites);
+    std::size_t count = match(rule, sites);
     count = keepWhereTrue(rule, count);
     accept(rule, count);
     // the others try the next rule
@@ -347,19 +347,29 @@ void BatchRewriter::chooseFirst(const BatchGroup& group, std::span<const std::ui
 
 void BatchRewriter::setLanes(const BatchRule& rule, std::size_t begin, std::size_t count) {
   const std::uint32_t* const site = laneSite_.data() + begin;
-  const std::uint32_t* const siteOffset = siteOffset_.data();
-  std::uint32_t* const own = own_.data();
-  for (std::size_t i = 0; i < count; ++i) {
-    own[i] = siteOffset[site[i]];
-  }
   if (rule.drawsRandom) {
     for (std::size_t i = 0; i < count; ++i) {
       modules_[i] = first_ + siteModule_[site[i]];
     }
   }
   evaluator_.setLanes({count, rule.slots.data(), step_.old.parameters + offset_, step_.old.parameters, rows_.data(),
-                       own_.data(), laneLeft_.data() + begin, laneRight_.data() + begin,
+                       site, siteOffset_.data(), laneLeft_.data() + begin, laneRight_.data() + begin,
                        rule.drawsRandom ? modules_.data() : nullptr});
+}
+
+std::size_t BatchRewriter::findTrue(const ColumnValue& truth, std::size_t count) {
+  const double* const values = truth.values;
+  std::uint32_t* const lanes = true_.data();
+  // often all are true
+  if (std::find(values, values + count, 0.0) == values + count) {
+    return count;
+  }
+  std::size_t found = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    lanes[found] = i;
+    found += values[i] != 0.0 ? 1 : 0;
+  }
+  return found;
 }
 
 std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t count) {
@@ -381,24 +391,18 @@ std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t coun
       noteStores(rule, rule.before, begin, size, false);
     }
     const ColumnValue truth = rule.condition ? evaluator_.value(*rule.condition) : ColumnValue{nullptr, 1.0};
-    const bool areAllTrue = truth.values == nullptr
-                                ? truth.constant != 0.0
-                                : std::find(truth.values, truth.values + size, 0.0) == truth.values + size;
-    if (truth.values == nullptr && !areAllTrue) {
-      continue;
-    }
+    const std::size_t trueCount = truth.values == nullptr ? (truth.constant != 0.0 ? size : 0) : findTrue(truth, size);
     // the local variables, sites and neighbours of the lanes that stay move to the front
-    const auto keep = [&](auto* target, const auto* source) {
-      if (areAllTrue) {
-        std::copy(source, source + size, target);
-        return size;
+    const auto keep = [size, trueCount, lanes = true_.data()](auto* target, const auto* source) {
+      if (trueCount == size) {
+        if (target != source) {
+          std::copy(source, source + size, target);
+        }
+        return;
       }
-      std::size_t next = 0;
-      for (std::size_t i = 0; i < size; ++i) {
-        target[next] = source[i];
-        next += truth.values[i] != 0.0 ? 1 : 0;
+      for (std::size_t i = 0; i < trueCount; ++i) {
+        target[i] = source[lanes[i]];
       }
-      return next;
     };
     for (std::size_t k = 0; k < rule.kept.size(); ++k) {
       keep(keptLocals + k * kStride + kept, evaluator_.local(rule.kept[k]));
@@ -407,7 +411,8 @@ std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t coun
       keep(laneLeft + kept, laneLeft + begin);
       keep(laneRight + kept, laneRight + begin);
     }
-    kept += keep(laneSite + kept, laneSite + begin);
+    keep(laneSite + kept, laneSite + begin);
+    kept += trueCount;
   }
   return kept - laneCount_;
 }

@@ -97,7 +97,7 @@ class BatchRewriter {
   void chooseByWeights(const BatchGroup& group, std::span<const std::uint32_t> sites);
   [[nodiscard]] double draw(std::uint64_t module);
   void loadDraws();
-  std::size_t match(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites);
+  std::size_t match(const BatchRule& rule, std::span<const std::uint32_t> sites);
   template <bool kLooksLeft, bool kLooksRight>
   std::size_t matchNear(const BatchRule& rule, std::span<const std::uint32_t> sites);
   template <bool kKeepsModules>
@@ -105,8 +105,10 @@ class BatchRewriter {
   template <bool kKeepsModules>
   void findRight(std::span<const std::uint32_t> sites);
   void findNeighbours(const BatchGroup& group, std::span<const std::uint32_t> sites);
-  std::size_t matchSearched(const BatchRule& rule, std::uint8_t bit, std::span<const std::uint32_t> sites);
+  std::size_t matchSearched(const BatchRule& rule, std::span<const std::uint32_t> sites);
   [[nodiscard]] bool standsAt(const language::Production& production, std::uint64_t module) const;
+  /// The number of lanes for which a condition holds; they are in true_ when it does not hold for all.
+  std::size_t findTrue(const ColumnValue& truth, std::size_t count);
   std::size_t keepWhereTrue(const BatchRule& rule, std::size_t count);
   void noteStores(const BatchRule& rule, const ColumnCode& code, std::size_t begin, std::size_t count, bool isBehind);
   void loadKept(const BatchRule& rule, std::size_t begin, std::size_t count);
@@ -185,7 +187,7 @@ class BatchRewriter {
   Scratch<double> keptLocals_;       // BatchRule::kept of each lane, 2 * kChunkModules for each local variable
   LastStores stores_;
   std::vector<RuleLanes> ruleLanes_;
-  Scratch<std::uint32_t> own_;      // offsets of the lanes that are evaluated
+  Scratch<std::uint32_t> true_;     // lanes whose condition holds, of those that are evaluated
   Scratch<std::uint64_t> modules_;  // their places in the string, for expressions that draw
 
   Scratch<std::uint32_t> words_;  // draws of the chunk's modules, from a multiple of 4 on

@@ -85,9 +85,15 @@ const double* ColumnEvaluator::slot(std::uint32_t index) {
     }
   };
   switch (source.kind) {
-    case SlotSource::Kind::Own:
-      gather(lanes_.ownParameters, lanes_.own);
+    case SlotSource::Kind::Own: {
+      const double* const own = lanes_.ownParameters + source.position;
+      const std::uint32_t* const sites = lanes_.sites;
+      const std::uint32_t* const offsets = lanes_.siteOffsets;
+      for (std::size_t i = 0; i < lanes_.count; ++i) {
+        column[i] = own[offsets[sites[i]]];
+      }
       break;
+    }
     case SlotSource::Kind::Left:
       gather(lanes_.parameters, lanes_.left);
       break;
@@ -352,8 +358,7 @@ double ColumnEvaluator::power(double x, double y) {
   // modules of one kind often have equal values
   const auto base = std::bit_cast<std::uint64_t>(x);
   const auto exponent = std::bit_cast<std::uint64_t>(y);
-  // multiplication mixes all bits into the highest ones
-  Power& known = powers_[((base ^ std::rotl(exponent, 23)) * 0x9E3779B97F4A7C15ULL) >> (64U - kPowerBits)];
+  Power& known = powers_[placeOfPower(base, exponent)];
   if (known.base != base || known.exponent != exponent) [[unlikely]] {
     known = {base, exponent, elementary_.pow(x, y)};
   }
@@ -361,11 +366,23 @@ double ColumnEvaluator::power(double x, double y) {
 }
 
 void ColumnEvaluator::raise(double* target, const ColumnValue& a, const ColumnValue& b) {
-  if (mask_ == nullptr) {
-    forEach(target, a, b, lanes_.count, [this](double x, double y) { return power(x, y); });
+  // local pointers: to the compiler every write may change a member, which it then reads again
+  Power* const powers = powers_.data();
+  const std::size_t count = lanes_.count;
+  if (mask_ == nullptr && a.values != nullptr && b.values == nullptr) {
+    const auto exponent = std::bit_cast<std::uint64_t>(b.constant);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto base = std::bit_cast<std::uint64_t>(a.values[i]);
+      const Power& known = powers[placeOfPower(base, exponent)];
+      target[i] = (known.base == base) & (known.exponent == exponent) ? known.value : power(a.values[i], b.constant);
+    }
     return;
   }
-  for (std::size_t i = 0; i < lanes_.count; ++i) {
+  if (mask_ == nullptr) {
+    forEach(target, a, b, count, [this](double x, double y) { return power(x, y); });
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
     if (isActive(i)) {
       target[i] = power(at(a, i), at(b, i));
     }

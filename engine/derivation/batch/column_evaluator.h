@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -28,14 +29,15 @@ struct SlotSource {
 /// The modules of one evaluation, at most ColumnEvaluator::kLanes. A view.
 struct Lanes {
   std::size_t count = 0;
-  const SlotSource* slots = nullptr;       // by formal parameter
-  const double* ownParameters = nullptr;   // `own` counts from here
-  const double* parameters = nullptr;      // of the whole string
-  const std::uint64_t* rows = nullptr;     // of context searches: offsets of the parameters, one for each element
-  const std::uint32_t* own = nullptr;      // (count) offset of the module's parameters
-  const std::uint64_t* left = nullptr;     // (count) offset of the left neighbour's parameters, or of the row
-  const std::uint64_t* right = nullptr;    // (count)
-  const std::uint64_t* modules = nullptr;  // (count) positions in the string; null: nothing draws
+  const SlotSource* slots = nullptr;           // by formal parameter
+  const double* ownParameters = nullptr;       // siteOffsets count from here
+  const double* parameters = nullptr;          // of the whole string
+  const std::uint64_t* rows = nullptr;         // of context searches: offsets of the parameters, one for each element
+  const std::uint32_t* sites = nullptr;        // (count) number of the module in siteOffsets
+  const std::uint32_t* siteOffsets = nullptr;  // offset of a module's parameters
+  const std::uint64_t* left = nullptr;         // (count) offset of the left neighbour's parameters, or of the row
+  const std::uint64_t* right = nullptr;        // (count)
+  const std::uint64_t* modules = nullptr;      // (count) positions in the string; null: nothing draws
 };
 
 /// One value for each lane, or the same for all.
@@ -89,6 +91,10 @@ class ColumnEvaluator {
     double value;
   };
   static constexpr unsigned kPowerBits = 8;
+  [[nodiscard]] static std::size_t placeOfPower(std::uint64_t base, std::uint64_t exponent) {
+    // multiplication mixes all bits into the highest ones
+    return ((base ^ std::rotl(exponent, 23)) * 0x9E3779B97F4A7C15ULL) >> (64U - kPowerBits);
+  }
 
   [[nodiscard]] const double* slot(std::uint32_t index);
   [[nodiscard]] ColumnValue operand(const ColumnOperand& operand);

@@ -109,7 +109,11 @@ void ContextColumns::findRight(const ContextString& string, std::span<const Cont
     const bool isBranchEnd = element.kind == ContextElement::Kind::SkipToBranchEnd;
     const bool entersBranch = element.kind == ContextElement::Kind::OpenBranch;
     if (isBranchEnd && isEntered) {
-      moveToBranchEnds(string, places + firstElement + i);
+      // a `]` behind it is that bracket
+      const bool isClosed = i + 1 < context.size() && context[i + 1].kind == ContextElement::Kind::CloseBranch;
+      moveToBranchEnds(string, places + firstElement + i, isClosed ? 1 : 0);
+      i += isClosed ? 1 : 0;
+      isEntered = isEntered && !isClosed;
       continue;
     }
     const Move* const moves = (isBranchEnd ? atBranchEnd_ : entersBranch ? atBranch_ : atModule_).data();
@@ -121,7 +125,7 @@ void ContextColumns::findRight(const ContextString& string, std::span<const Cont
   }
 }
 
-void ContextColumns::moveToBranchEnds(const ContextString& string, std::uint64_t* places) {
+void ContextColumns::moveToBranchEnds(const ContextString& string, std::uint64_t* places, std::uint64_t step) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < foundCount_; ++i) {
     const std::uint32_t search = found_[i];
@@ -129,7 +133,7 @@ void ContextColumns::moveToBranchEnds(const ContextString& string, std::uint64_t
     const StringIndex::Link link = string.index->link(branches_[search]);
     const std::uint64_t offset = insides_[search] + link.parameterCount;
     places[search * rowSize_] = offset;
-    move(search, link.partner, offset);
+    move(search, link.partner + step, offset);
     found_[kept] = search;
     kept += link.partner != StringIndex::kNone ? 1 : 0;
   }

@@ -57,7 +57,8 @@ class ContextColumns {
   template <bool kIsRing, bool kNotesBranches>
   void findRightOf(const ContextString& string, const Move* moves, core::ModuleTypeId sought, std::uint64_t* places);
   void findRightOf(const ContextString& string, const Move* moves, core::ModuleTypeId sought, std::uint64_t* places);
-  void moveToBranchEnds(const ContextString& string, std::uint64_t* places);
+  /// To the end of the branch that the context has entered, and `step` modules further.
+  void moveToBranchEnds(const ContextString& string, std::uint64_t* places, std::uint64_t step);
 
   const language::Program* program_;
   const ContextRules* rules_;

@@ -60,8 +60,11 @@ class Compared {
     inputs.hasWarned = warned.data();
     inputs.elements = model_.state().instances.front().elements.data();
     columns.begin(inputs);
+    std::vector<std::uint32_t> sites(own.size());
+    std::iota(sites.begin(), sites.end(), 0U);
     const std::vector<SlotSource> slots{{SlotSource::Kind::Own, 0}, {SlotSource::Kind::Own, 1}};
-    columns.setLanes({own.size(), slots.data(), parameters.data(), nullptr, nullptr, own.data(), nullptr, nullptr});
+    columns.setLanes(
+        {own.size(), slots.data(), parameters.data(), nullptr, nullptr, sites.data(), own.data(), nullptr, nullptr});
     const ColumnValue made = columns.value(column);
     isUnusual_ = columns.isUnusual();
 
