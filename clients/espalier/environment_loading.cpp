@@ -1,7 +1,9 @@
 #include "clients/espalier/environment_loading.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -125,9 +127,26 @@ Process loadPlugin(const std::string& library, const std::string& entryJson, con
       [sink = making.onFailure](std::uint64_t step, const std::string& message) { (*sink)(step, message); });
 }
 
+constexpr unsigned kMostLightThreads = 256;  // the bound of the key `threads`
+
+// the configuration of a built-in process with the threads of the command line, unless it says how many
+std::string withThreads(const std::string& name, const std::string& configurationJson, unsigned threads) {
+  const environment::ProcessEntry* const entry = environment::findProcess(name);
+  const bool hasKey = entry != nullptr && std::any_of(entry->keys.begin(), entry->keys.end(),
+                                                      [](const auto& key) { return key.name == "threads"; });
+  nlohmann::json configuration =
+      nlohmann::json::parse(configurationJson.empty() ? "{}" : configurationJson, nullptr, false);
+  if (!hasKey || !configuration.is_object() || configuration.contains("threads")) {
+    return configurationJson;
+  }
+  configuration["threads"] = std::clamp(threads, 1U, kMostLightThreads);
+  return configuration.dump();
+}
+
 // a built-in process; with a time limit it is supervised and made again after a time-out
-Process makeBuiltIn(const std::string& name, const std::string& configurationJson, const std::string& file,
+Process makeBuiltIn(const std::string& name, const std::string& entryJson, const std::string& file,
                     const Making& making) {
+  const std::string configurationJson = withThreads(name, entryJson, making.remote.threads);
   Process made = orPrintErrors(environment::makeProcess(name, configurationJson), file);
   if (!made || making.remote.timeoutSeconds == 0.0) {
     return made;

@@ -15,12 +15,13 @@
 namespace espalier::command {
 
 /// Settings of environments in other processes, and of reading files of environments. The entry of an environment may
-/// override policy and time.
+/// override policy, time and threads.
 struct RemoteOptions {
   std::string policy = "fail";        // fail, keep or fallback:NAME
   double timeoutSeconds = 0.0;        // of a step; 0: the default
   bool allowsFolderPrograms = false;  // an environment file (.e) may start the program that it names
   bool isStrict = false;              // a warning about a file is an error
+  unsigned threads = 1;               // of a built-in process that has the key `threads`
   bool mayStartPrograms = true;       // false: a snapshot names the environment, and a stranger may have written it
 };
 

@@ -66,13 +66,14 @@ bool loadEnvironmentOf(const protocol::ForestParams& forest, const std::string& 
                        core::FileProvider& files, LoadedModel& loaded) {
   std::optional<LoadedEnvironment> environment = LoadedEnvironment{};
   if (!options.environment.empty()) {
-    environment = loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.remote);
+    environment =
+        loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.environmentOptions());
   } else if (!forest.environmentJson.empty()) {
     WithEnvironment both(file, forest.environmentJson, files);
-    environment = loadEnvironment(file, options.mode(), options.isQuiet, both, options.remote);
+    environment = loadEnvironment(file, options.mode(), options.isQuiet, both, options.environmentOptions());
   } else if (!forest.environmentFile.empty()) {
     environment = loadEnvironment(besideForest(file, forest.environmentFile), options.mode(), options.isQuiet, files,
-                                  options.remote);
+                                  options.environmentOptions());
   }
   if (!environment) {
     return false;

@@ -230,6 +230,12 @@ unsigned ModelOptions::threadCount() const {
   return threads > 0 ? threads : server::processorCount();
 }
 
+RemoteOptions ModelOptions::environmentOptions() const {
+  RemoteOptions result = remote;
+  result.threads = threadCount();
+  return result;
+}
+
 core::Limits ModelOptions::simulationLimits() const {
   server::ServerLimits result;
   result.simulation = core::Limits{};
@@ -369,8 +375,8 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
       });
   command
       .add_option("--threads", options.threads,
-                  "Threads for strings of more than 65536 modules; 0: as many as the machine has. The result\n"
-                  "does not depend on their number")
+                  "Threads for strings of more than 65536 modules and for the rays of the environment 'light';\n"
+                  "0: as many as the machine has. The result does not depend on their number")
       ->type_name("N")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
@@ -528,7 +534,7 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
   loaded.plants.resize(1);
   if (!options.environment.empty()) {
     std::optional<LoadedEnvironment> environment =
-        loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.remote);
+        loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.environmentOptions());
     if (!environment) {
       return std::nullopt;
     }

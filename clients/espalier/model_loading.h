@@ -47,6 +47,8 @@ struct ModelOptions {
   [[nodiscard]] core::Limits simulationLimits() const;
   /// `threads`, or as many as the machine has.
   [[nodiscard]] unsigned threadCount() const;
+  /// `remote`, with threadCount() for the environment of one run.
+  [[nodiscard]] RemoteOptions environmentOptions() const;
   /// Of processor time for the whole run; 0: no limit.
   [[nodiscard]] std::uint64_t seconds() const;
 };

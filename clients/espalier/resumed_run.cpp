@@ -35,7 +35,7 @@ simulation::Programs resumedPrograms(ModelOptions& options, simulation::Snapshot
 std::optional<LoadedEnvironment> resumedEnvironment(const ModelOptions& options, const simulation::SnapshotInfo& info,
                                                     core::Compatibility compatibility, core::FileProvider& files) {
   if (!options.environment.empty()) {
-    return loadEnvironment(options.environment, compatibility, options.isQuiet, files, options.remote);
+    return loadEnvironment(options.environment, compatibility, options.isQuiet, files, options.environmentOptions());
   }
   if (info.environmentName.empty()) {
     return LoadedEnvironment{};
@@ -49,7 +49,7 @@ std::optional<LoadedEnvironment> resumedEnvironment(const ModelOptions& options,
   for (const auto& [name, text] : info.environmentOrigin.files) {
     carried.add(name, text);
   }
-  RemoteOptions remote = options.remote;
+  RemoteOptions remote = options.environmentOptions();
   remote.mayStartPrograms = false;
   return loadEnvironment(info.environmentOrigin.name, compatibility, options.isQuiet, carried, remote);
 }

@@ -1,16 +1,20 @@
 """Gallery models that grow against an environment: their tables, and what they are there to show."""
 
+import contextlib
 import csv
 import json
 import math
+import os
 import re
 import struct
+import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 from typing import Dict, List, Optional, Sequence, Tuple
 
-from support import GALLERY, espalier, model, strings
+from support import GALLERY, espalier, model, program, strings
 
 
 def table(name: str, symbols: Sequence[str]) -> Dict[int, List[int]]:
@@ -43,7 +47,27 @@ def answered(name: str) -> str:
     return espalier("derive", model(name), "--every", "--answered", "--quiet").stdout.splitlines()[-1].split("\t")[1]
 
 
+def derived_by(threads: int, name: str, steps: int) -> Tuple[str, int]:
+    """The last string of a run, and the most threads that its process had at a time."""
+    with subprocess.Popen([program(), "derive", model(name), "--quiet", "--steps", str(steps), "--threads", str(threads)],
+                          stdout=subprocess.PIPE, text=True) as process:
+        most = 0
+        while process.poll() is None:
+            with contextlib.suppress(OSError):
+                most = max(most, len(os.listdir(f"/proc/{process.pid}/task")))
+            time.sleep(0.001)
+        assert process.stdout is not None
+        return process.stdout.read(), most
+
+
 class GalleryEnvironments(unittest.TestCase):
+    @unittest.skipUnless(Path("/proc/self/task").exists(), "/proc is not mounted")
+    def test_rays_of_light_are_traced_by_the_threads_of_the_command_line(self) -> None:
+        alone, threads = derived_by(1, "stand-year", 30)
+        together, more_threads = derived_by(3, "stand-year", 30)
+        self.assertGreater(more_threads, threads)
+        self.assertEqual(together, alone)
+
     def check_table(self, name: str, symbols: str) -> List[str]:
         derived = strings(name)
         for step, expected in table(name, symbols).items():
