@@ -5,6 +5,11 @@
 #include <cstring>
 
 namespace espalier::derivation {
+namespace {
+
+constexpr std::size_t kMostPairTypes = 63;  // module types for which a table of pairs stays in the nearest cache
+
+}  // namespace
 
 char* NumberTexts::write(char* out, double value) {
   constexpr std::uint64_t kMix = 0x9E3779B97F4A7C15;  // 2^64 over the golden ratio
@@ -43,6 +48,14 @@ ModuleSpelling::ModuleSpelling(const language::Program& program) : program_(&pro
   }
   if (!areBytes) {
     bytes_.clear();
+  } else if (bytes_.size() <= kMostPairTypes) {
+    pairShift_ = static_cast<unsigned>(std::bit_width(bytes_.size()));
+    pairs_.resize(bytes_.size() << pairShift_);
+    for (std::size_t second = 0; second < bytes_.size(); ++second) {
+      for (std::size_t first = 0; first < bytes_.size(); ++first) {
+        pairs_[first | (second << pairShift_)] = {bytes_[first], bytes_[second]};
+      }
+    }
   }
 }
 
@@ -69,10 +82,18 @@ char* ModuleSpelling::write(char* out, std::span<const core::ModuleTypeId> types
 // of modules without parameters whose names are one byte each
 char* ModuleSpelling::writeBytes(char* out, std::span<const core::ModuleTypeId> types) const {
   const char* const bytes = bytes_.data();
-  for (const core::ModuleTypeId type : types) {
-    *out++ = bytes[type];
+  const std::array<char, 2>* const pairs = pairs_.data();
+  const core::ModuleTypeId* const modules = types.data();
+  const std::size_t count = types.size();
+  const unsigned shift = pairShift_;
+  std::size_t i = 0;
+  for (const std::size_t end = pairs_.empty() ? 0 : count - count % 2; i < end; i += 2) {
+    std::memcpy(out + i, &pairs[modules[i] | (std::size_t{modules[i + 1]} << shift)], 2);
   }
-  return out;
+  for (; i < count; ++i) {
+    out[i] = bytes[modules[i]];
+  }
+  return out + count;
 }
 
 // a short name is a copy of fixed length: what is too much is overwritten

@@ -60,6 +60,8 @@ class ModuleSpelling {
   const language::Program* program_;
   std::vector<Name> names_;  // by module type
   std::vector<char> bytes_;  // by module type: its name; empty unless all types without parameters have names of a byte
+  std::vector<std::array<char, 2>> pairs_;  // the same of two modules, at [first | second << pairShift_]; may be empty
+  unsigned pairShift_ = 0;
   std::size_t longestName_ = 0;
 };
 

@@ -63,6 +63,25 @@ TEST(TextWriter, AnyNumberOfThreadsWritesOneTextOfModulesWithoutParameters) {
   expectPlainText(plant);
 }
 
+TEST(TextWriter, ManyTypesAndOddNumbersOfModulesAreWritten) {
+  // more types than there are pairs in a table, and strings of odd and even length
+  std::string letters;
+  for (char letter = 'a'; letter <= 'z'; ++letter) {
+    letters += {letter, static_cast<char>(letter - 'a' + 'A')};
+  }
+  DerivedModel many(modelText("", "F" + letters, "F --> F[+F]F" + letters + "-&^/|!.{}\nA --> AA\n"));
+  ASSERT_GT(many.program().arity.size(), 63U);
+  many.steps(8);
+  expectPlainText(many);
+  DerivedModel few(modelText("", "AB", "B --> BAB\n"));
+  for (int step = 0; step < 6; ++step) {
+    const derivation::ModuleString& string = few.state().string;
+    EXPECT_EQ(derivation::toText(few.program(), string, core::NumberStyle::Shortest),
+              plainText(few, string, core::NumberStyle::Shortest));
+    few.steps(1);
+  }
+}
+
 TEST(TextWriter, NamesMayBeOfAnyLength) {
   const std::string fifteen(15, 'p');
   const std::string sixteen(16, 'q');
