@@ -149,7 +149,7 @@ int main(int argumentCount, char** arguments) {
   try {
     if (isHelp) {
       const CLI::App* const shown = isCommand(asked) ? program.get_subcommand(std::string(asked)) : &program;
-      const std::string text = shown->help();
+      const std::string text = shown->help(shown == &program ? "" : program.get_name());
       std::fwrite(text.data(), 1, text.size(), argumentCount > 1 ? stdout : stderr);
       return argumentCount > 1 ? kSuccess : kUsage;
     }

@@ -2,8 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <random>
 #include <system_error>
 #include <variant>
@@ -68,6 +70,16 @@ std::vector<core::Diagnostic> bracketWarnings(const std::string& file, std::stri
            .hint = "a branch is opened and closed in the same string"}};
 }
 
+/// The root system of a file. Prints an error and returns nothing after it.
+std::optional<roots::RootSystem> readRootFile(const std::string& file, core::FileProvider& files) {
+  auto read = roots::readRoots(file, files.read(file).value_or(""));
+  if (!read) {
+    printError(file + ", " + read.error());
+    return std::nullopt;
+  }
+  return std::move(*read);
+}
+
 // the string in a file; the file may be an MTG
 std::optional<std::string> readStartString(const ModelOptions& options, const std::string& lengthUnit,
                                            core::FileProvider& files) {
@@ -96,9 +108,8 @@ std::optional<std::string> readStartString(const ModelOptions& options, const st
     }
   }
   if (roots::isRootFile(file)) {
-    auto roots = roots::readRoots(file, *text);
+    std::optional<roots::RootSystem> roots = readRootFile(file, files);
     if (!roots) {
-      printError(file + ", " + roots.error());
       return std::nullopt;
     }
     const std::string ownUnit = roots->unit;
@@ -125,43 +136,50 @@ std::optional<std::string> readStartString(const ModelOptions& options, const st
   return text;
 }
 
-/// The root system of a file, or of a time series whose name has a place for a number, as `day-%04d.rsml`: then
-/// `file` becomes the last of its files. Prints errors and returns nothing after an error.
-std::optional<roots::RootSystem> readRootModel(std::string& file, bool isSeries, core::FileProvider& files) {
-  std::vector<roots::RootSystem> series;
-  std::string last = file;
-  for (std::uint64_t number = 0;; ++number) {
-    const std::string name = isSeries ? numberedName(file, number, 0) : file;
-    const std::optional<std::string> text = files.read(name);
-    // a series may begin with 1
-    if (isSeries && !text && number > 0) {
-      break;
-    }
-    if (isSeries && !text) {
-      continue;
-    }
-    auto read = roots::readRoots(name, text.value_or(""));
-    if (!read) {
-      printError(name + ", " + read.error());
-      return std::nullopt;
-    }
-    last = name;
-    series.push_back(std::move(*read));
-    if (!isSeries) {
-      return std::move(series.front());
+/// The files of a time series whose name has a place for a number, as `day-%04d.rsml`, by their numbers.
+std::map<std::uint64_t, std::string> filesOfSeries(const std::string& pattern) {
+  namespace fs = std::filesystem;
+  const std::string name = fs::path(pattern).filename().string();
+  const fs::path folder = fs::path(pattern).parent_path();
+  std::map<std::uint64_t, std::string> found;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {
+    const std::string other = entry.path().filename().string();
+    const std::size_t first = name.find('%');
+    const std::size_t digits = other.find_first_not_of("0123456789", first);
+    std::uint64_t number = 0;
+    const char* const end = other.data() + std::min(digits, other.size());
+    if (first < other.size() && std::from_chars(other.data() + first, end, number).ptr == end &&
+        numberedName(name, number, 0) == other) {
+      found.emplace(number, (folder / other).string());
     }
   }
-  if (series.empty()) {
-    printError("there is no file '" + numberedName(file, 0, 0) + "' or '" + numberedName(file, 1, 0) +
-               "': a time series begins with the number 0 or 1");
+  return found;
+}
+
+/// The root system of a time series; `file` becomes the last of its files. The number of a file is its day, counted
+/// from the first. Prints an error and returns nothing after it.
+std::optional<roots::RootSystem> readRootSeries(std::string& file, core::FileProvider& files) {
+  const std::map<std::uint64_t, std::string> found = filesOfSeries(file);
+  if (found.empty()) {
+    printError("there is no file '" + numberedName(file, 0, 0) +
+               "', and none with another number: check the name and " + "the working folder");
     return std::nullopt;
+  }
+  std::vector<roots::DatedRoots> series;
+  for (const auto& [number, name] : found) {
+    std::optional<roots::RootSystem> roots = readRootFile(name, files);
+    if (!roots) {
+      return std::nullopt;
+    }
+    series.push_back({static_cast<double>(number - found.begin()->first), std::move(*roots)});
   }
   auto joined = roots::joinSeries(std::move(series));
   if (!joined) {
     printError(file + ": " + joined.error());
     return std::nullopt;
   }
-  file = last;
+  file = found.rbegin()->second;
   return std::move(*joined);
 }
 
@@ -420,7 +438,7 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
   std::error_code error;
   const bool isSeries = roots::isRootFile(options.model) && options.model.find('%') != std::string::npos &&
                         !std::filesystem::is_regular_file(options.model, error);
-  if (isSeries && !(roots = readRootModel(options.model, true, files))) {
+  if (isSeries && !(roots = readRootSeries(options.model, files))) {
     return nullptr;
   }
   const server::FoundModel found = server::findModelFiles(options.model, options.object);
@@ -451,8 +469,11 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
 
   std::optional<RootModelFiles> rootFiles;
   if (roots::isRootFile(modelFiles.model)) {
-    std::string name = modelFiles.model;
-    if (!roots && !(roots = readRootModel(name, false, files))) {
+    if (!roots && !(roots = readRootFile(modelFiles.model, files))) {
+      return nullptr;
+    }
+    if (roots->nodes.empty()) {
+      printError(modelFiles.model + ": it has no roots. Give a file with the points of at least one root");
       return nullptr;
     }
     if (options.lengthUnit.empty()) {
@@ -543,7 +564,10 @@ std::optional<LoadedModel> loadModel(ModelOptions& options, core::FileProvider& 
       return std::nullopt;
     }
   }
-  if (!warnAboutUnansweredQueries(*loaded.program, options.environment.empty() ? nullptr : &loaded.environment,
+  // the queries of a root file are there for the environments that may be given
+  const bool isAsked = !roots::isRootFile(options.model) || !options.environment.empty();
+  if (isAsked &&
+      !warnAboutUnansweredQueries(*loaded.program, options.environment.empty() ? nullptr : &loaded.environment,
                                   options.isQuiet, options.remote.isStrict)) {
     return std::nullopt;
   }

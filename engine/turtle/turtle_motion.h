@@ -10,6 +10,9 @@
 
 namespace espalier::turtle {
 
+/// Width of a line that is given none: `!(0)` sets it.
+inline constexpr double kSmallestWidth = 1e-7;
+
 /// How far to turn.
 struct Turn {
   double cosine = 1.0;

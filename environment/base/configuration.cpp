@@ -17,6 +17,10 @@ namespace {
 
 using nlohmann::json;
 
+/// Keys of processes, and those of files that the command line and the server read into them.
+constexpr std::pair<std::string_view, std::string_view> kFileKeys[] = {
+    {"triangles", "meshFile"}, {"spheres", "pointFile"}, {"points", "pointFile"}, {"heightField", "terrainFile"}};
+
 std::string rangeText(const ConfigurationKey& key) {
   const bool hasMaximum = std::isfinite(key.maximum);
   if (std::isfinite(key.minimum) && hasMaximum && !key.isMinimumExclusive) {
@@ -126,6 +130,12 @@ class ConfigurationReader {
     std::vector<std::string_view> names;
     for (const ConfigurationKey& key : keys_) {
       names.push_back(key.name);
+      // the command line and the server replace these by the keys
+      for (const auto& [target, fileKey] : kFileKeys) {
+        if (key.name == target) {
+          names.push_back(fileKey);
+        }
+      }
     }
     std::sort(names.begin(), names.end());
     add(name, "unknown key '" + name + "'",

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "environment/base/json_text.h"
@@ -433,17 +434,23 @@ std::vector<std::uint8_t> colourPlane(const FieldPlane& plane, double low, doubl
 }
 
 FieldSummary summaryOf(const Field& field) {
-  FieldSummary summary;
-  if (field.values.empty()) {
-    return summary;
-  }
-  summary.minimum = *std::min_element(field.values.begin(), field.values.end());
-  summary.maximum = *std::max_element(field.values.begin(), field.values.end());
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  FieldSummary summary{.minimum = kInfinity, .maximum = -kInfinity};
   double sum = 0.0;
   for (const double value : field.values) {
+    if (std::isnan(value)) {
+      continue;
+    }
+    ++summary.count;
     sum += value;
+    summary.minimum = std::min(summary.minimum, value);
+    summary.maximum = std::max(summary.maximum, value);
   }
-  summary.mean = sum / static_cast<double>(field.values.size());
+  if (summary.count == 0) {
+    const double none = field.values.empty() ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+    return {.minimum = none, .mean = none, .maximum = none, .integral = none};
+  }
+  summary.mean = sum / static_cast<double>(summary.count);
   summary.integral = sum * field.cellSize.x * field.cellSize.y * field.cellSize.z;
   return summary;
 }

@@ -55,6 +55,7 @@ struct FieldPlane {
 
 /// Least, mean and greatest value of a field and its integral over the box (value times length³).
 struct FieldSummary {
+  std::size_t count = 0;  // of cells with a number; the others have no part in what follows
   double minimum = 0.0;
   double mean = 0.0;
   double maximum = 0.0;

@@ -22,6 +22,7 @@ constexpr std::size_t kMostRows = 1'000'000;
 /// The keys beside `pointFile`, taken out of the configuration.
 struct PointKeys {
   PointPlacement placement;
+  bool hasOrigin = false;
   double spacing = 0.0;
   double radius = 0.0;
   double strength = 1.0;
@@ -56,6 +57,7 @@ std::optional<std::string> takeNumbers(json& configuration, const char* key, std
 
 std::optional<std::string> takeKeys(json& configuration, PointKeys& keys) {
   std::vector<double> origin{0.0, 0.0, 0.0};
+  keys.hasOrigin = configuration.contains("pointOrigin");
   if (auto problem = takeNumbers(configuration, "pointOrigin", 3, origin)) {
     return problem;
   }
@@ -109,6 +111,28 @@ std::vector<core::Vec3> thinned(const std::vector<core::Vec3>& points, double sp
   return kept;
 }
 
+/// A sentence when points without `pointOrigin` are farther from the plants than they are from each other.
+std::optional<std::string> problemOfPlace(const std::vector<core::Vec3>& points) {
+  core::Vec3 low = points.front();
+  core::Vec3 high = points.front();
+  for (const core::Vec3& p : points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const core::Vec3 nearest{std::max({0.0, low.x, -high.x}), std::max({0.0, low.y, -high.y}),
+                           std::max({0.0, low.z, -high.z})};
+  // coordinates of a projection; a single tree may well stand beside the plants
+  constexpr double kFar = 100.0;
+  if (core::length(nearest) <= std::max(1.0, core::length(high - low)) * kFar) {
+    return std::nullopt;
+  }
+  const auto whole = [](double place) { return std::to_string(std::llround(std::clamp(place, -1e15, 1e15))); };
+  const core::Vec3 middle = (low + high) * 0.5;
+  return "its points lie " + whole(core::length(nearest)) +
+         " from the origin, where plants stand. Set 'pointOrigin' to a place among them: their middle is [" +
+         whole(middle.x) + ", " + whole(middle.y) + ", " + whole(middle.z) + "]";
+}
+
 /// The key of a process that takes points, and the number behind a place in its rows; empty: it has none.
 struct PointTarget {
   const char* key = "";
@@ -145,6 +169,11 @@ std::optional<std::string> putPoints(json& configuration, const std::string& typ
       }
     }
     cloud.points = std::move(chosen);
+  }
+  if (!keys.hasOrigin && !cloud.points.empty()) {
+    if (const auto problem = problemOfPlace(cloud.points)) {
+      return problem;
+    }
   }
   placePoints(cloud, keys.placement);
   const std::vector<core::Vec3> points =

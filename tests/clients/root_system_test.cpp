@@ -88,7 +88,7 @@ TEST(RootSystem, UnitsAreKnownByTheirNames) {
     EXPECT_EQ(roots->unit, unit);
   }
   EXPECT_EQ(readRsml(withUnit("<unit>parsec</unit>")).error(),
-            "line 2: the unit 'parsec' is unknown. Write one of m, dm, cm, mm, um, inch, pixel, or unknown");
+            "line 2: the unit 'parsec' is unknown. Write one of m, dm, cm, mm, um, nm, inch, pixel, or unknown");
   EXPECT_EQ(readRsml(withUnit("<unit>pixel</unit><resolution>0</resolution>")).error(),
             "line 2: the resolution is not above 0. Write the number of pixels in a unit, or leave it out");
   // the unit of a property is not that of lengths
@@ -152,7 +152,7 @@ TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
   EXPECT_EQ(readRsml("<rsml><scene><root><point x='1' y='2e200'/></root></scene></rsml>").error(),
             "line 1: the coordinate 2e200 is beyond 1e100. Correct the number");
   EXPECT_EQ(readRsml("<rsml><metadata>\n<unit>parsec</unit></metadata><scene/></rsml>").error(),
-            "line 2: the unit 'parsec' is unknown. Write one of m, dm, cm, mm, um, inch, pixel, or unknown");
+            "line 2: the unit 'parsec' is unknown. Write one of m, dm, cm, mm, um, nm, inch, pixel, or unknown");
   // a property has a unit of its own
   const std::string property = "<property-definitions><property-definition><unit>day</unit></property-definition>";
   EXPECT_EQ(readRsml("<rsml><metadata><unit> cm </unit>" + property +

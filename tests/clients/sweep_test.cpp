@@ -46,6 +46,8 @@ TEST(Plan, NamesEveryMistakeWithItsPlaceAndTheNearestName) {
                 .find("there is no design 'sobl'. Did you mean 'sobol'?"),
             std::string::npos);
   EXPECT_NE(problemOf(R"({"model":"a"})").find("measures: missing"), std::string::npos);
+  EXPECT_EQ(problemOf(R"({"model":"a","measures":{"h":"height"}})"),
+            "measures.h: expected a measure such as {\"plant\": \"height\"}, found \"height\"");
   EXPECT_NE(problemOf(R"({"model":"a","model":"b",)" + kMeasures + "}").find("has this member twice"),
             std::string::npos);
   EXPECT_NE(problemOf("{").find("the plan is not valid JSON"), std::string::npos);

@@ -88,6 +88,7 @@ class FirstHour(unittest.TestCase):
     def test_help_is_a_command_too(self) -> None:
         self.assertIn("Grow a model and write pictures", espalier("help").stdout)
         self.assertIn("--turntable N", espalier("help", "run").stdout)
+        self.assertIn("Usage: espalier run [OPTIONS]", espalier("help", "run").stdout)
 
     def test_format_says_what_a_file_is_that_it_cannot_lay_out(self) -> None:
         picture = str(GALLERY / "chapter-fractint" / "curves-Tree.png")

@@ -161,11 +161,14 @@ class Points(unittest.TestCase):
     def test_wrong_configurations_are_refused_in_one_sentence(self) -> None:
         self.write("a.las", point_files.las([(0, 0, 2)]))
         self.write("a.ply", point_files.ply([(0, 0, 2)]))
+        self.write("far.ply", point_files.ply([(400000, 5600000, 2), (400001, 5600002, 5)]))
         model = self.write("seeker.l", SEEKER.encode())
         for keys, says in (({"pointFile": "none.las"}, "none.las' of the environment 'obstacles': it cannot be read"),
                            ({"pointFile": "a.las"}, "points are solid with a radius. Set 'pointRadius', a length"),
                            ({"pointFile": "a.las", "pointRadius": -1}, "'pointRadius' must be above 0"),
                            ({"pointFile": "a.las", "pointOrigin": [1, 2]}, "'pointOrigin' must be three numbers"),
+                           ({"pointFile": "far.ply", "pointRadius": 1}, "its points lie 5614268 from the origin"),
+                           ({"pointfile": "a.las"}, "Did you mean 'pointFile'?"),
                            ({"pointFile": "a.las", "pointAxes": "up"}, "'pointAxes' must be \"world\" or \"file\""),
                            ({"pointFile": "a.ply", "pointClasses": [2]}, "it has no classes, so 'pointClasses' cannot choose"),
                            ({"pointFile": "a.las", "pointClasses": [9], "pointRadius": 1}, "no point is left. Choose other classes"),

@@ -122,7 +122,45 @@ class RootSystems(unittest.TestCase):
         first = self.folder / "day-0000.rsml"
         first.write_text(first.read_text().replace("<unit>unknown</unit>", "<unit>cm</unit>"))
         self.assertIn("the files have different units: 'cm' and ''. Write all in one unit", espalier("run", series, "-o", str(again), status=1).stderr)
-        self.assertIn("a time series begins with the number 0 or 1", espalier("run", str(self.folder / "no-%d.rsml"), "-o", str(again), status=1).stderr)
+        self.assertIn("and none with another number", espalier("run", str(self.folder / "no-%d.rsml"), "-o", str(again), status=1).stderr)
+
+    def test_the_number_of_a_file_of_a_series_is_its_day(self) -> None:
+        self.write_with_days((0, 0, 1, 3, 2, 4, 4))
+        espalier("run", str(self.table), "--every", "-o", str(self.folder / "day-%04d.rsml"))
+        for day, number in ((4, 25), (3, 17), (2, 15), (1, 11), (0, 10)):  # scans of some days
+            (self.folder / f"day-{day:04d}.rsml").rename(self.folder / f"day-{number:04d}.rsml")
+        (self.folder / "day-16.rsml").write_text("no file of the series")
+        again = self.folder / "again.rsml"
+        espalier("run", str(self.folder / "day-%04d.rsml"), "--every", "-o", str(again))
+        days = sorted(float(sample.get("value", "")) for sample in ElementTree.parse(again).findall(".//function[@name='emergence_time']/sample"))
+        self.assertEqual(sorted(set(days)), [0, 1, 5, 7, 15])
+
+    def test_a_root_without_a_diameter_is_written_and_measured_without_one(self) -> None:
+        rsml, again = self.folder / "thin.rsml", self.folder / "again.rsml"
+        points = '<geometry><polyline><point x="{}" y="-1"/><point x="1" y="-2"/></polyline></geometry>'
+        rsml.write_text("<rsml><metadata><unit>\u00b5m</unit></metadata><scene><plant><root>" + points.format(0) + "<root>" + points.format(2) +
+                        '<functions><function name="diameter"><sample value="0.25"/></function></functions></root></root></plant></scene></rsml>',
+                        encoding="utf-8")
+        run = espalier("run", str(rsml), "-o", str(again))
+        self.assertEqual(run.stderr.count("warning"), 0, run.stderr)
+        for file in (rsml, again):
+            traits = self.traits(str(file))
+            self.assertEqual(traits["diameter", "2"], 0.25)
+            self.assertNotIn(("diameter", "1"), traits)
+        self.assertEqual(ElementTree.parse(again).findtext("metadata/unit"), "um")
+        self.assertEqual(len(ElementTree.parse(again).findall(".//function")), 1)
+
+    def test_a_file_without_roots_is_no_plant(self) -> None:
+        rsml, picture = self.folder / "none.rsml", self.folder / "none.png"
+        rsml.write_text("<rsml><scene><plant/></scene></rsml>", encoding="utf-8")
+        self.assertIn("it has no roots", espalier("run", str(rsml), "-o", str(picture), status=1).stderr)
+        self.assertFalse(picture.exists())
+        wrong = self.written_in("cm")
+        for number in ("77", "-3", "0.5"):
+            wrong.write_text(wrong.read_text().replace('parent-node value="1"', f'parent-node value="{number}"'))
+            self.assertIn(f"the root begins at the parent-node {number}, and its parent has the points 0 to 2. Correct the number",
+                          espalier("traits", str(wrong), status=1).stderr)
+            wrong = self.written_in("cm")
 
     def test_many_days_are_an_animation_too_and_what_are_no_days_is_said(self) -> None:
         self.write_with_days((0, 0, 1, 3, 2, 4, 20_000))
@@ -185,7 +223,7 @@ class RootSystems(unittest.TestCase):
         rsml.write_text("<rsml><metadata><unit>parsec</unit></metadata><scene/></rsml>", encoding="utf-8")
         picture = self.folder / "far.png"
         run = espalier("run", str(rsml), "-o", str(picture), status=1)
-        self.assertIn("the unit 'parsec' is unknown. Write one of m, dm, cm, mm, um, inch, pixel, or unknown", run.stderr)
+        self.assertIn("the unit 'parsec' is unknown. Write one of m, dm, cm, mm, um, nm, inch, pixel, or unknown", run.stderr)
         self.assertFalse(picture.exists())
 
     def test_roots_from_a_file_take_up_water(self) -> None:

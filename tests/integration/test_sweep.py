@@ -171,6 +171,14 @@ class Sweep(unittest.TestCase):
     def test_a_killed_sweep_continues_and_no_run_is_lost_or_doubled(self) -> None:
         self.kill_and_continue(10)
 
+    def test_a_plan_may_come_from_standard_input_and_results_are_no_text(self) -> None:
+        plan = self.plan(model=self.file("random.l"), measures={"n": {"count": "F"}})
+        with open(plan, "rb") as text:
+            subprocess.run([program(), "sweep", "-", "-o", self.file("a.sqlite"), "--quiet"], stdin=text, check=True, timeout=120)
+        self.sweep(plan, "-o", self.file("b.sqlite"), "--quiet")
+        self.assertEqual(self.hash(self.file("a.sqlite")), self.hash(self.file("b.sqlite")))
+        self.assertIn("espalier sweep export results.sqlite -o table.csv", self.sweep(plan, "-o", "table.csv", status=2).stderr)
+
     def test_a_pipe_that_carries_something_else_says_so(self) -> None:
         plan = self.plan(model="random.l", parameters={"P": {"uniform": [0.3, 0.6]}},
                          measures={"n": {"count": "F"}})

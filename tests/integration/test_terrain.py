@@ -168,8 +168,10 @@ class Terrain(unittest.TestCase):
         model = self.write("probe.l", PROBE.replace("X", "0").replace("Y", "0").replace("Z", "0").encode())
         for keys, says in (({"terrainFile": "none.tif"}, "none.tif' of the environment 'obstacles': it cannot be read"),
                            ({"terrainFile": "hills.tif", "terrainOrigin": [1, 2]}, "'terrainOrigin' must be three numbers: east, north, height"),
+                           ({"terrainFile": "hills.tif"}, "its middle is [400008, 5599995, 102]"),
+                           ({"terainFile": "hills.tif"}, "Did you mean 'terrainFile'?"),
                            ({"terrainFile": "hills.tif", "terrainScale": 0}, "'terrainScale' must be a number above 0"),
-                           ({"terrainFile": "hills.tif", "heightField": [[0, 0], [0, 0]]}, "the configuration has 'heightField' too"),
+                           ({"terrainFile": "hills.tif", "terrainOrigin": [WEST, NORTH, 0], "heightField": [[0, 0], [0, 0]]}, "the configuration has 'heightField' too"),
                            ({"type": "height", "terrainFile": "hills.tif"}, "the environment 'height' takes no ground")):
             file = self.write("world.json", json.dumps({"type": "obstacles", **keys}).encode())
             self.assertIn(says, espalier("derive", str(model), "--environment", str(file), status=1).stderr)

@@ -71,6 +71,10 @@ int run(FieldOptions& options) {
       core::appendNumber(table, number, core::NumberStyle::Shortest);
     }
     table += "\n";
+    if (summary.count < field.values.size() && !options.isQuiet) {
+      printNote("'" + field.name + "' has no number in " + std::to_string(field.values.size() - summary.count) +
+                " of " + std::to_string(field.values.size()) + " cells; mean and integral are those of the others");
+    }
   }
   std::cout << table << std::flush;
   return options.outputs.write(fields, options.isQuiet) ? kSuccess : kFailure;

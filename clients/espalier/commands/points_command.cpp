@@ -117,6 +117,10 @@ Result<std::vector<turtle::Field>> fieldsOf(const PointsOptions& options, files:
     for (const std::uint8_t each : cloud.classes) {
       isPlant.push_back(std::ranges::find(options.classes, int{each}) != options.classes.end() ? 1 : 0);
     }
+    if (std::ranges::find(isPlant, 1) == isPlant.end()) {
+      return problem(options.file + ": no point is of the classes of --classes; espalier points " + options.file +
+                     " lists those of the file");
+    }
   }
   environment::placePoints(cloud, options.placement);
   const auto box = boxAround(cloud.points, options.cellSize);

@@ -34,7 +34,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// with --pipe: the plan is the first line of standard input
+// the plan comes from standard input: all of it, or with --pipe its first line
 constexpr const char* kStandardInput = "-";
 
 struct SweepOptions {
@@ -86,26 +86,26 @@ struct Prepared {
   RunTable table;
 };
 
-// a line of standard input, which carries binary requests after it
-std::string readLine() {
-  std::string line;
-  for (int c = std::getchar(); c != EOF && c != '\n'; c = std::getchar()) {
-    line += static_cast<char>(c);
+// standard input: all of it, or the first line, after which it carries binary requests
+std::string readStandardInput(bool isLine) {
+  std::string text;
+  for (int c = std::getchar(); c != EOF && !(isLine && c == '\n'); c = std::getchar()) {
+    text += static_cast<char>(c);
   }
-  return line;
+  return text;
 }
 
 std::optional<Prepared> readPlanFile(const std::string& file, bool isPiped) {
   server::DiskFileProvider files;
-  const bool isLine = isPiped && file == kStandardInput;
-  const std::optional<std::string> text = isLine ? readLine() : files.read(file);
+  const bool isRead = file == kStandardInput;
+  const std::optional<std::string> text = isRead ? readStandardInput(isPiped) : files.read(file);
   if (!text) {
     printError("there is no plan '" + file + "': check the name and the working folder");
     return std::nullopt;
   }
   Result<Plan> plan = readPlan(*text);
   if (!plan) {
-    printError((isLine ? "the plan" : file) + ": " + plan.error());
+    printError((isRead ? "the plan" : file) + ": " + plan.error());
     return std::nullopt;
   }
   Prepared prepared{
@@ -399,6 +399,16 @@ int run(const SweepOptions& options) {
     printError("give a file for the results: -o results.sqlite");
     return kUsage;
   }
+  if (const std::string suffix = fs::path(options.output).extension().string(); suffix == ".csv" || suffix == ".tsv") {
+    printError(
+        "the results are a file of SQLite: give -o results.sqlite, and make the table with espalier sweep export " +
+        std::string("results.sqlite -o ") + options.output);
+    return kUsage;
+  }
+  if (options.usesSlurm && options.plan == kStandardInput) {
+    printError("the jobs of --slurm read the plan again: give it as a file");
+    return kUsage;
+  }
   if (options.usesSlurm != (options.slices > 0)) {
     printError("--slurm needs --slices N, the number of jobs of the array, and --slices needs --slurm");
     return kUsage;
@@ -464,7 +474,7 @@ void addSweep(CLI::App& program, int& status) {
       "  espalier sweep merge part-*.sqlite -o results.sqlite\n"
       "  espalier sweep export results.sqlite -o results.csv");
   const auto options = std::make_shared<SweepOptions>();
-  command->add_option("plan", options->plan, "The plan")->type_name("PLAN.json");
+  command->add_option("plan", options->plan, "The plan; -: from standard input")->type_name("PLAN.json");
   command->add_option("-o,--output", options->output, "File of the results, an SQLite database")
       ->type_name("FILE.sqlite");
   addWholeNumber(*command, "--workers", "Runs at the same time; 0: as many as the machine has cores", 0, 4096,

@@ -208,18 +208,19 @@ RootSystem rootsOf(const turtle::Scene& scene) {
   return roots;
 }
 
-tl::expected<RootSystem, std::string> joinSeries(std::vector<RootSystem> series) {
+tl::expected<RootSystem, std::string> joinSeries(std::vector<DatedRoots> series) {
+  const std::string& unit = series.back().roots.unit;
   std::map<std::array<double, 3>, double> firstDays;
-  for (std::size_t day = 0; day < series.size(); ++day) {
-    if (series[day].unit != series.back().unit) {
-      return tl::unexpected("the files have different units: '" + series[day].unit + "' and '" + series.back().unit +
+  for (const auto& [day, roots] : series) {
+    if (roots.unit != unit) {
+      return tl::unexpected("the files have different units: '" + roots.unit + "' and '" + unit +
                             "'. Write all in one unit");
     }
-    for (const RootSystem::Node& node : series[day].nodes) {
-      firstDays.try_emplace({node.place.x, node.place.y, node.place.z}, static_cast<double>(day));
+    for (const RootSystem::Node& node : roots.nodes) {
+      firstDays.try_emplace({node.place.x, node.place.y, node.place.z}, day);
     }
   }
-  RootSystem last = std::move(series.back());
+  RootSystem last = std::move(series.back().roots);
   for (RootSystem::Node& node : last.nodes) {
     node.emergence = firstDays.at({node.place.x, node.place.y, node.place.z});
   }
@@ -227,8 +228,8 @@ tl::expected<RootSystem, std::string> joinSeries(std::vector<RootSystem> series)
 }
 
 std::optional<std::string> convertTo(RootSystem& roots, const std::string& unit) {
-  constexpr std::pair<std::string_view, double> kMetres[] = {{"m", 1.0},    {"dm", 0.1},  {"cm", 0.01},
-                                                             {"mm", 0.001}, {"um", 1e-6}, {"inch", 0.0254}};
+  constexpr std::pair<std::string_view, double> kMetres[] = {{"m", 1.0},   {"dm", 0.1},  {"cm", 0.01},    {"mm", 0.001},
+                                                             {"um", 1e-6}, {"nm", 1e-9}, {"inch", 0.0254}};
   if (roots.unit.empty() || roots.unit == unit) {
     return std::nullopt;
   }
@@ -240,7 +241,8 @@ std::optional<std::string> convertTo(RootSystem& roots, const std::string& unit)
   const auto to = metresOf(unit);
   if (!from || !to) {
     return "its lengths in '" + roots.unit + "' cannot be converted to those of the world in '" + unit +
-           "'. Write its lengths in m, dm, cm, mm, um or inch, and those of the world (lengthUnit) in m, dm, cm or mm";
+           "'. Write its lengths in m, dm, cm, mm, um, nm or inch, and those of the world (lengthUnit) in m, dm, cm or "
+           "mm";
   }
   const double factor = *from / *to;
   for (RootSystem::Node& node : roots.nodes) {
@@ -344,7 +346,10 @@ std::string textOf(const RootSystem& roots, const Appearance& appearance) {
         continue;
       }
       const std::uint32_t child = children[visit.node][visit.next++];
-      const bool hasBracket = visit.next < children[visit.node].size();
+      // also a lateral at a tip, which continues no axis
+      const bool isLateral =
+          nodes[visit.node].parent != RootSystem::kNone && nodes[child].axis != nodes[visit.node].axis;
+      const bool hasBracket = isLateral || visit.next < children[visit.node].size();
       const core::Vec3 way = nodes[child].place - nodes[visit.node].place;
       text += hasBracket ? "[" : "";
       const double length = core::length(way);

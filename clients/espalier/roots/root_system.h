@@ -48,9 +48,15 @@ inline constexpr double kLargestCoordinate = 1e100;
 /// The lines that plants draw, by the segments that they grow from.
 [[nodiscard]] RootSystem rootsOf(const turtle::Scene& scene);
 
-/// One root system of the files of a time series, the first at day 0, one a day: the last, in which each point emerged
-/// on the day of the first file that has it. The error is a sentence: the files have different units. O(points).
-[[nodiscard]] tl::expected<RootSystem, std::string> joinSeries(std::vector<RootSystem> series);
+/// A root system as it was on a day.
+struct DatedRoots {
+  double day = 0.0;
+  RootSystem roots;
+};
+
+/// One root system of a time series in the order of its days, at least one: the last, in which each point emerged on
+/// the first day that has it. The error is a sentence: the units are different. O(points).
+[[nodiscard]] tl::expected<RootSystem, std::string> joinSeries(std::vector<DatedRoots> series);
 
 /// Gives all lengths in `unit`. The error is a sentence without the file's name: the size of one of the units, such as
 /// a pixel, is not known. Roots without a unit stay as they are.

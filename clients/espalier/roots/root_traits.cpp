@@ -21,12 +21,14 @@ RootTraits traitsOf(const RootSystem& roots, int up) {
     RootTraits::Order& order = traits.orders[nodes[i].order];
     order.number += axes.insert(nodes[i].axis).second ? 1 : 0;
     order.length += length;
+    // a radius of 0 is one that the file does not give
     order.diameter += length * 2.0 * nodes[i].radius;
+    order.lengthWithDiameter += nodes[i].radius > 0.0 ? length : 0.0;
     traits.length += length;
     ++childCount[nodes[i].parent];
   }
   for (auto& [number, order] : traits.orders) {
-    order.diameter /= order.length > 0.0 ? order.length : 1.0;
+    order.diameter /= order.lengthWithDiameter > 0.0 ? order.lengthWithDiameter : 1.0;
   }
   std::array<double, 3> low{}, high{};
   for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -76,7 +78,9 @@ std::string traitTable(const RootTraits& traits) {
     add("length", name, order.length);
     add("number", name, static_cast<double>(order.number));
     add("mean_length", name, order.number > 0 ? order.length / static_cast<double>(order.number) : 0.0);
-    add("diameter", name, order.diameter);
+    if (order.lengthWithDiameter > 0.0) {
+      add("diameter", name, order.diameter);
+    }
   }
   add("height", "", traits.height);
   add("width", "", traits.width);

@@ -12,7 +12,8 @@ struct RootTraits {
   struct Order {
     std::uint64_t number = 0;  // of axes
     double length = 0.0;
-    double diameter = 0.0;  // mean over the length
+    double diameter = 0.0;  // mean over the length that has one; 0: none has
+    double lengthWithDiameter = 0.0;
   };
   double length = 0.0;
   std::map<std::uint32_t, Order> orders;

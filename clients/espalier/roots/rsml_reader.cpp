@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "clients/espalier/roots/root_system.h"
+#include "engine/core/number_text.h"
 
 namespace espalier::roots {
 
@@ -18,10 +19,42 @@ constexpr std::size_t kMostPoints = 10'000'000;
 constexpr std::size_t kMostOrders = 1000;
 /// Names of units of length, each list under the name that the root system gets. `pixel` is a unit of pictures.
 constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
-    {"m", "m"},           {"meter", "m"},       {"metre", "m"},       {"dm", "dm"},         {"cm", "cm"},
-    {"centimeter", "cm"}, {"centimetre", "cm"}, {"mm", "mm"},         {"millimeter", "mm"}, {"millimetre", "mm"},
-    {"um", "um"},         {"micrometer", "um"}, {"micrometre", "um"}, {"inch", "inch"},     {"in", "inch"},
-    {"pixel", "pixel"},   {"pixels", "pixel"},  {"px", "pixel"},      {"unknown", ""},      {"", ""},
+    {"m", "m"},
+    {"meter", "m"},
+    {"metre", "m"},
+    {"dm", "dm"},
+    {"cm", "cm"},
+    {"centimeter", "cm"},
+    {"centimetre", "cm"},
+    {"mm", "mm"},
+    {"millimeter", "mm"},
+    {"millimetre", "mm"},
+    {"um", "um"},
+    {"micrometer", "um"},
+    {"micrometre", "um"},
+    {"inch", "inch"},
+    {"in", "inch"},
+    {"pixel", "pixel"},
+    {"pixels", "pixel"},
+    {"px", "pixel"},
+    {"unknown", ""},
+    {"", ""},
+    {"meters", "m"},
+    {"metres", "m"},
+    {"centimeters", "cm"},
+    {"centimetres", "cm"},
+    {"millimeters", "mm"},
+    {"millimetres", "mm"},
+    {"micrometers", "um"},
+    {"micrometres", "um"},
+    {"micron", "um"},
+    {"microns", "um"},
+    {"µm", "um"},
+    {"μm", "um"},  // the micro sign, and the Greek letter
+    {"inches", "inch"},
+    {"nm", "nm"},
+    {"nanometer", "nm"},
+    {"nanometre", "nm"},
 };
 /// Points that are looked at to find where laterals begin, in all. A file of people needs a small part of it.
 constexpr std::uint64_t kMostLooks = 1'000'000'000;
@@ -176,7 +209,7 @@ class Reader {
     const auto* const known = std::ranges::find(kUnits, name, &std::pair<std::string_view, std::string_view>::first);
     if (known == std::end(kUnits)) {
       fail("the unit '" + text_.substr(0, 40) +
-           "' is unknown. Write one of m, dm, cm, mm, um, inch, pixel, or unknown");
+           "' is unknown. Write one of m, dm, cm, mm, um, nm, inch, pixel, or unknown");
       return;
     }
     unit_ = known->second;
@@ -219,9 +252,18 @@ class Reader {
   /// The node of an axis from which a lateral grows.
   [[nodiscard]] std::uint32_t joinOf(const RootSystem& roots, const ReadAxis& lateral,
                                      const std::vector<std::uint32_t>& nodesOfParent) {
-    const double wanted = lateral.parentNode.value_or(-1.0);
-    if (wanted >= 0.0 && wanted < static_cast<double>(nodesOfParent.size())) {
-      return nodesOfParent[static_cast<std::size_t>(wanted)];
+    // -1: unknown
+    if (const double wanted = lateral.parentNode.value_or(-1.0); wanted != -1.0) {
+      if (wanted >= 0.0 && wanted < static_cast<double>(nodesOfParent.size()) && wanted == std::floor(wanted)) {
+        return nodesOfParent[static_cast<std::size_t>(wanted)];
+      }
+      if (wrongJoin_.empty()) {
+        std::string number;
+        core::appendNumber(number, wanted, core::NumberStyle::Shortest);
+        wrongJoin_ = "line " + std::to_string(lateral.line) + ": the root begins at the parent-node " + number +
+                     ", and its parent has the points 0 to " + std::to_string(nodesOfParent.size() - 1) +
+                     ". Correct the number, or leave the property out";
+      }
     }
     std::uint32_t best = nodesOfParent.front();
     looks_ += nodesOfParent.size();
@@ -267,6 +309,9 @@ class Reader {
         roots.nodes.push_back(node);
       }
     }
+    if (!wrongJoin_.empty()) {
+      return tl::unexpected(wrongJoin_);
+    }
     if (looks_ > kMostLooks) {
       return tl::unexpected(std::string(
           "laterals have no 'parent-node', and their parents have too many points to look for it. Add the property"));
@@ -276,6 +321,7 @@ class Reader {
 
   XML_Parser parser_ = nullptr;
   std::string problem_;
+  std::string wrongJoin_;          // about the first lateral whose parent-node is not there
   std::vector<ReadAxis> axes_;     // parents come first
   std::vector<std::size_t> open_;  // axes whose elements are open
   std::string function_;           // name of the last function

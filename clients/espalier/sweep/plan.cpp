@@ -337,6 +337,11 @@ void readSteps(MemberReader& reader, const std::optional<std::uint64_t>& last, M
 void readMeasure(const std::string& name, const ordered_json& value, const Plan& plan, MeasureDefinition& measure,
                  std::vector<std::string>& problems) {
   using Kind = MeasureDefinition::Kind;
+  if (!value.is_object()) {
+    problems.push_back("measures." + name + ": expected a measure such as {\"plant\": \"height\"}, found " +
+                       value.dump());
+    return;
+  }
   MemberReader reader(value, "measures." + name, problems);
   static constexpr std::pair<std::string_view, Kind> kKinds[] = {
       {"count", Kind::Count},     {"sum", Kind::Sum},           {"mean", Kind::Mean},
@@ -348,16 +353,14 @@ void readMeasure(const std::string& name, const ordered_json& value, const Plan&
     names.push_back(entry.first);
   }
   // a mistyped kind has a better message than a missing one
-  if (value.is_object()) {
-    static const Names kOthers{"of", "where", "value", "at", "along", "bins", "to", "order"};
-    for (const auto& [member, unused] : value.items()) {
-      if (std::find(names.begin(), names.end(), member) == names.end() &&
-          std::find(kOthers.begin(), kOthers.end(), member) == kOthers.end()) {
-        Names all = names;
-        all.insert(all.end(), kOthers.begin(), kOthers.end());
-        reader.complain(member, "there is no such measure or member. " + core::suggestName(member, all));
-        return;
-      }
+  static const Names kOthers{"of", "where", "value", "at", "along", "bins", "to", "order"};
+  for (const auto& [member, unused] : value.items()) {
+    if (std::find(names.begin(), names.end(), member) == names.end() &&
+        std::find(kOthers.begin(), kOthers.end(), member) == kOthers.end()) {
+      Names all = names;
+      all.insert(all.end(), kOthers.begin(), kOthers.end());
+      reader.complain(member, "there is no such measure or member. " + core::suggestName(member, all));
+      return;
     }
   }
   const std::string_view chosen = onlyOne(reader, names, "a measure");

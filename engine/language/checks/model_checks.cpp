@@ -50,6 +50,7 @@ class Checks {
         }
       });
     }
+    checkPolygons();
     // about the letters of such words further messages would only repeat the first
     if (isTranslation_ || !checkWords(text_, model_, messages_)) {
       checkNeverMade();
@@ -125,6 +126,26 @@ class Checks {
     if (!open.empty()) {
       messages_.warning(open.back(), "this '[' is not closed in " + place,
                         "a branch is opened and closed in the same successor");
+    }
+  }
+
+  // a polygon may be begun by one production and ended by another
+  void checkPolygons() {
+    const core::SourceRange* opened = nullptr;
+    const core::SourceRange* closed = nullptr;
+    forModules([&](const Modules& modules) {
+      for (const ModuleSyntax& module : modules) {
+        const char character = module.parameters.empty() ? characterOf(module.type) : '\0';
+        opened = character == '{' && opened == nullptr ? &module.range : opened;
+        closed = character == '}' && closed == nullptr ? &module.range : closed;
+      }
+    });
+    if (opened != nullptr && closed == nullptr) {
+      messages_.warning(*opened, "this '{' begins a polygon, and no '}' of the model ends one",
+                        "write '}' behind its last point; without it nothing is filled");
+    } else if (closed != nullptr && opened == nullptr) {
+      messages_.warning(*closed, "this '}' ends a polygon, and no '{' of the model begins one",
+                        "write '{' in front of its first point");
     }
   }
 

@@ -60,6 +60,10 @@ std::string_view withoutComment(std::string_view line) {
   return line.substr(0, line.find(';'));
 }
 
+bool hasArrow(std::string_view text) {
+  return text.find("->") != std::string_view::npos || text.find("→") != std::string_view::npos;
+}
+
 /// The text between the braces of an entry.
 struct EntryText {
   DialectEntry entry;
@@ -77,7 +81,8 @@ std::vector<EntryText> entryTexts(std::string_view text) {
     std::size_t at = 0;
     if (!isOpen) {
       const std::size_t brace = code.find('{');
-      if (brace == std::string_view::npos) {
+      // `F -> F{+F.` is a production of another notation with a polygon
+      if (brace == std::string_view::npos || hasArrow(code.substr(0, brace))) {
         const TextPiece word = TextPiece{code, line.offset}.trimmed();
         before = word.text.find_first_of(" \t}") == std::string_view::npos ? word : TextPiece{};
         continue;

@@ -14,7 +14,6 @@ using core::Vec3;
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr double kSmallestWidth = 1e-7;
 constexpr double kLargestWidth = 1e300;
 constexpr double kSmallestBend = 1e-12;
 constexpr double kStepLength = 1.0;  // of F without a parameter

@@ -17,6 +17,7 @@ using nlohmann::json;
 /// How heights come into the world: (east, height, −north) of (place − origin) · scale.
 struct TerrainPlacement {
   std::array<double, 3> origin{};  // east, north, height
+  bool hasOrigin = false;          // as a key
   double scale = 1.0;
 };
 
@@ -31,6 +32,7 @@ std::optional<std::string> takeKeys(json& configuration, TerrainPlacement& place
       return std::string("'terrainOrigin' must be three numbers: east, north, height");
     }
     placement.origin = origin->get<std::array<double, 3>>();
+    placement.hasOrigin = true;
     configuration.erase(origin);
   }
   if (const auto scale = configuration.find("terrainScale"); scale != configuration.end()) {
@@ -41,6 +43,24 @@ std::optional<std::string> takeKeys(json& configuration, TerrainPlacement& place
     configuration.erase(scale);
   }
   return std::nullopt;
+}
+
+/// A sentence when a ground without `terrainOrigin` is farther from the plants than it is large.
+std::optional<std::string> problemOfPlace(const Terrain& terrain) {
+  const double width = terrain.east() - terrain.west;
+  const double depth = terrain.north - terrain.south();
+  const double east = std::max({0.0, terrain.west, -terrain.east()});
+  const double north = std::max({0.0, terrain.south(), -terrain.north});
+  if (std::hypot(east, north) <= std::hypot(width, depth)) {
+    return std::nullopt;
+  }
+  const auto whole = [](double place) { return std::to_string(std::llround(std::clamp(place, -1e15, 1e15))); };
+  return "it lies " + whole(std::hypot(east, north)) +
+         " from the origin, where plants stand. Set 'terrainOrigin' to the east, north and height of a place in it: "
+         "its "
+         "middle is [" +
+         whole(terrain.west + 0.5 * width) + ", " + whole(terrain.south() + 0.5 * depth) + ", " +
+         whole(terrain.heights[(terrain.rows / 2) * terrain.columns + terrain.columns / 2]) + "]";
 }
 
 bool takesHeights(const std::string& type) {
@@ -85,6 +105,9 @@ std::optional<core::Diagnostic> embedTerrainFile(environment::EnvironmentEntry& 
   const auto terrain = readGeoTiff(*bytes);
   if (!terrain) {
     return failed("it " + terrain.error());
+  }
+  if (const auto problem = placement.hasOrigin ? std::nullopt : problemOfPlace(*terrain)) {
+    return failed(*problem);
   }
   configuration.erase("terrainFile");
   const auto east = [&](double place) { return (place - placement.origin[0]) * placement.scale; };

@@ -120,5 +120,16 @@ TEST(FieldOutput, ASummaryHasTheIntegralOverTheBox) {
   EXPECT_EQ(summary.integral, 66 * 0.125);
 }
 
+TEST(FieldOutput, ASummaryLeavesOutCellsWithoutANumber) {
+  Field field = small();
+  field.values[0] = std::nan("");
+  const FieldSummary summary = summaryOf(field);
+  EXPECT_EQ(summary.count, 11);
+  EXPECT_EQ(summary.minimum, 1);
+  EXPECT_EQ(summary.mean, 6);
+  field.values.assign(field.values.size(), std::nan(""));
+  EXPECT_TRUE(std::isnan(summaryOf(field).mean));
+}
+
 }  // namespace
 }  // namespace espalier::environment

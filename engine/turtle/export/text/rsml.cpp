@@ -12,6 +12,7 @@
 #include "engine/core/hash.h"
 #include "engine/core/number_text.h"
 #include "engine/turtle/export/text_output.h"
+#include "engine/turtle/turtle_motion.h"
 
 namespace espalier::turtle {
 
@@ -165,15 +166,21 @@ class RsmlWriter {
     for (const std::uint32_t segment : axis.segments) {
       point(segments_[segment].end);
     }
-    out_ << "</polyline></geometry>\n<functions><function name=\"diameter\" domain=\"polyline\">";
-    sample(segments_[axis.segments.front()].startWidth);
-    for (const std::uint32_t segment : axis.segments) {
-      sample(segments_[segment].endWidth);
+    out_ << "</polyline></geometry>\n<functions>";
+    // roots that were read from a file may have no diameters
+    const bool hasWidths = std::ranges::any_of(
+        axis.segments, [&](std::uint32_t segment) { return segments_[segment].endWidth > kSmallestWidth; });
+    if (hasWidths) {
+      out_ << "<function name=\"diameter\" domain=\"polyline\">";
+      sample(segments_[axis.segments.front()].startWidth);
+      for (const std::uint32_t segment : axis.segments) {
+        sample(segments_[segment].endWidth);
+      }
+      out_ << "</function>";
     }
-    out_ << "</function>";
     if (!facts_.days.empty()) {
       // a first point is there with the first segment
-      out_ << "\n<function name=\"emergence_time\" domain=\"polyline\">";
+      out_ << (hasWidths ? "\n" : "") << "<function name=\"emergence_time\" domain=\"polyline\">";
       sample(facts_.days[axis.segments.front()]);
       for (const std::uint32_t segment : axis.segments) {
         sample(facts_.days[segment]);

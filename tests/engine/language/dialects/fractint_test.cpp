@@ -103,6 +103,11 @@ TEST(Fractint, ABlockWithoutANameIsARemark) {
   EXPECT_NE(cpfgText(text, "Tree").find("Axiom: F\n"), std::string::npos);
 }
 
+TEST(Fractint, APolygonBehindAnArrowIsNoEntry) {
+  EXPECT_FALSE(recognisesFractint("axiom: F\nF -> F{+F.\nangle: 60\n"));
+  EXPECT_FALSE(recognisesFractint("axiom = F\nF → {F\nangle = 60\n"));
+}
+
 TEST(Fractint, ThePaletteIsTheScreensDefault) {
   const CompileResult result = compileForeign(entry("angle 6\naxiom <f\n"));
   ASSERT_NE(result.program, nullptr);
