@@ -48,6 +48,8 @@ std::string_view nameOf(ErrorCode code) {
       return "shutting down";
     case ErrorCode::OfferTaken:
       return "offer taken";
+    case ErrorCode::ModelChanged:
+      return "model changed";
   }
   return "unknown";
 }

@@ -33,6 +33,7 @@ enum class ErrorCode : std::int32_t {
   Storage = 1014,       // the data folder could not be read or written
   ShuttingDown = 1015,  // the server stops; ask again after it is back
   OfferTaken = 1016,    // another connection offers an environment of this name
+  ModelChanged = 1017,  // a saved model is not the one that the save knows; `data`: revision
 };
 
 /// The name of a code as in the table of protocol/README.md; "unknown" for other numbers.

@@ -67,7 +67,15 @@ struct EditorParams {
 
 /// Of model.read.
 struct ReadModelParams {
-  std::string gallery;  // NAME, NAME/FILE or NAME/FILE:ENTRY
+  std::string gallery;  // NAME, NAME/FILE or NAME/FILE:ENTRY; empty: a saved model
+  std::string saved;    // its name
+};
+
+/// Of model.save.
+struct SaveModelParams {
+  std::string name;
+  std::map<std::string, std::string> files;  // contents by name, texts and bytes
+  std::string revision;                      // of model.read or the last save; empty: the model is new
 };
 
 struct SourcePosition {

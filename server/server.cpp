@@ -41,6 +41,10 @@ class Server::Implementation {
       return "there is no gallery folder '" + options.galleryFolder +
              "': give --gallery a folder of model folders, or leave it out.";
     }
+    if (!options.modelsFolder.empty() && !std::filesystem::is_directory(options.modelsFolder, error)) {
+      return "there is no folder '" + options.modelsFolder +
+             "' for models: make it, or give --models another one, or leave it out.";
+    }
     // taking the port first: a second server on the same data folder and port stops here
     if (auto problem = network_.listen()) {
       return problem;

@@ -35,6 +35,7 @@ struct ServerOptions {
   std::string dataFolder;                   // empty: simulations are not saved
   Durability durability = Durability::Process;
   std::string galleryFolder;  // empty: no gallery models by name
+  std::string modelsFolder;   // of models that clients save; empty: none
   std::vector<Token> tokens;  // none: clients need none; any address but loopback needs one
   /// Reads the tokens again when SIGHUP comes, on a worker. Null: SIGHUP stops the server.
   std::function<tl::expected<std::vector<Token>, std::string>()> readTokens;

@@ -41,6 +41,7 @@ ServerCore::ServerCore(ServerOptions options)
       accounts_(options_.limits),
       store_(options_.dataFolder, options_.limits.storeBytes, options_.durability),
       models_(options_.galleryFolder, store_),
+      savedModels_(options_.modelsFolder, options_.limits.savedModelBytes),
       pool_({.workers = options_.workers}) {
   boundHeaps(pool_.workers());
 }

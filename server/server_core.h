@@ -23,6 +23,7 @@
 #include "server/running/worker_pool.h"
 #include "server/server.h"
 #include "server/store/model_store.h"
+#include "server/store/saved_models.h"
 #include "server/store/store.h"
 
 namespace espalier::server {
@@ -44,6 +45,7 @@ class ServerCore {
   [[nodiscard]] WorkerPool& pool() { return pool_; }
   [[nodiscard]] const WorkerPool& pool() const { return pool_; }
   [[nodiscard]] ModelStore& models() { return models_; }
+  [[nodiscard]] SavedModels& savedModels() { return savedModels_; }
   [[nodiscard]] OfferedEnvironments& offered() { return offered_; }
   [[nodiscard]] Accounts& accounts() { return accounts_; }
   [[nodiscard]] const Accounts& accounts() const { return accounts_; }
@@ -113,6 +115,7 @@ class ServerCore {
   OfferedEnvironments offered_;
   Store store_;
   ModelStore models_;
+  SavedModels savedModels_;
   const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   mutable std::mutex sessionMutex_;
   std::set<const Session*> sessions_;

@@ -35,11 +35,11 @@ void readOptionalCount(const Member& member, std::optional<T>& value) {
 }
 
 // files of a model: texts, and bytes in base64
-void readModelFolder(const Member& member, ModelReference& model) {
+void readFiles(const Member& member, std::map<std::string, std::string>& contents) {
   const Member files = member["files"];
   files.requireObject();
   for (const auto& [name, value] : files.json().items()) {
-    model.files.emplace(name, files[name].text());
+    contents.emplace(name, files[name].text());
   }
   if (const Member bytes = member["binaryFiles"]; !bytes.isAbsent()) {
     bytes.requireObject();
@@ -48,9 +48,13 @@ void readModelFolder(const Member& member, ModelReference& model) {
       if (!content) {
         bytes[name].failExpected("base64");
       }
-      model.files.insert_or_assign(name, std::move(*content));
+      contents.insert_or_assign(name, std::move(*content));
     }
   }
+}
+
+void readModelFolder(const Member& member, ModelReference& model) {
+  readFiles(member, model.files);
   if (const Member main = member["main"]; !main.isAbsent()) {
     model.main = readName(main);
     // FILE, or FILE:ENTRY
@@ -331,7 +335,25 @@ Expected<EditorParams> decodeEditorParams(const Payload& payload) {
 Expected<ReadModelParams> decodeReadModelParams(const Payload& payload) {
   return decodePayload<ReadModelParams>(payload, [](const Member& params, ReadModelParams& read) {
     params.requireObject();
-    read.gallery = readName(params["gallery"]);
+    const Member saved = params["saved"];
+    if (saved.isAbsent() || !params["gallery"].isAbsent()) {
+      read.gallery = readName(params["gallery"]);
+    }
+    if (!saved.isAbsent()) {
+      read.saved = readName(saved);
+      if (!read.gallery.empty()) {
+        saved.fail("expected either \"saved\" or \"gallery\"");
+      }
+    }
+  });
+}
+
+Expected<SaveModelParams> decodeSaveModelParams(const Payload& payload) {
+  return decodePayload<SaveModelParams>(payload, [](const Member& params, SaveModelParams& save) {
+    params.requireObject();
+    save.name = readName(params["name"]);
+    readFiles(params, save.files);
+    save.revision = params["revision"].textOrEmpty();
   });
 }
 

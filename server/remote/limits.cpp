@@ -77,6 +77,8 @@ constexpr std::array kEntries{
     ofServer<&Server::accountCpuSeconds>("accountCpuSeconds", 0,
                                          "processor time of one account since the server was started; 0: no bound"),
     ofServer<&Server::storeBytes>("storeBytes", 0, "bytes of the data folder's database; 0: no bound"),
+    ofServer<&Server::savedModelBytes>("savedModelBytes", 0,
+                                       "bytes of the models in the folder of --models; 0: no bound"),
     ofSimulation<&Simulation::maximumModules>("modules", "modules of the strings of a simulation"),
     ofSimulation<&Simulation::maximumStringBytes>("stringBytes", "bytes of the strings of a simulation"),
     ofSimulation<&Simulation::maximumQueries>("queries", "communication modules of one step"),

@@ -4,6 +4,7 @@
 #include "protocol/codec.h"
 #include "protocol/json_text.h"
 #include "server/remote/models/gallery.h"
+#include "server/remote/models/model_files.h"
 #include "server/remote/translation/translate.h"
 #include "server/running/turn_meter.h"
 #include "server/server_core.h"
@@ -83,8 +84,9 @@ void writeTexts(protocol::JsonWriter& result, const std::map<std::string, std::s
   result.endObject();
 }
 
-/// Answers model.read. Files that are no text go as base64.
-void writeFiles(const Request& request, const GalleryModel& model, const std::string& environmentJson) {
+/// Answers model.read. Files that are no text go as base64. `revision` is that of a saved model.
+void writeFiles(const Request& request, const GalleryModel& model, const std::string& environmentJson,
+                const std::string& revision = {}) {
   std::map<std::string, std::string> texts;
   std::map<std::string, std::string> binary;
   for (const auto& [name, bytes] : model.files) {
@@ -106,7 +108,38 @@ void writeFiles(const Request& request, const GalleryModel& model, const std::st
         line.begin(), line.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
     result.key("environment").raw(line);
   }
+  if (!revision.empty()) {
+    result.key("revision").text(revision);
+  }
   request.session.respond(request.id, result.endObject().view());
+}
+
+/// The file of a saved model that is the model: as a folder says it, else the first that could be one.
+std::string mainOf(const std::map<std::string, std::string>& files) {
+  if (const FoundModel found = findModelFiles(files, {})) {
+    return found->model;
+  }
+  for (const char* suffix : {".l", ".lpy", ".ls", ".lsv", ".txt"}) {
+    for (const auto& [name, bytes] : files) {
+      if (name.ends_with(suffix)) {
+        return name;
+      }
+    }
+  }
+  return files.empty() ? std::string() : files.begin()->first;
+}
+
+void readSaved(const Request& request, const std::string& name) {
+  ServerCore& core = request.session.core();
+  auto saved = core.savedModels().read(name);
+  if (!saved) {
+    request.session.respondError(request.id, saved.error());
+    return;
+  }
+  GalleryModel model{.main = mainOf(saved->files), .files = {}};
+  model.files = std::move(saved->files);
+  // it is not compiled: a model with errors is read too, so that they can be mended
+  writeFiles(request, model, {}, saved->revision);
 }
 
 }  // namespace
@@ -123,6 +156,10 @@ void modelLoad(const Request& request, protocol::ModelParams params) {
 
 void modelRead(const Request& request, protocol::ReadModelParams params) {
   runOnWorker(request, [params = std::move(params)](const Request& self) {
+    if (!params.saved.empty()) {
+      readSaved(self, params.saved);
+      return;
+    }
     const std::string& gallery = self.session.core().options().galleryFolder;
     protocol::ModelParams model;
     model.model.gallery = params.gallery;
@@ -150,7 +187,24 @@ void modelList(const Request& request, protocol::NoParams) {
     const std::vector<std::string> entries = galleryEntries(folder);
     result.key("entries").texts(entries).key("pictures");
     writeTexts(result, galleryPictures(folder, entries));
+    // its absence says that nothing can be saved
+    if (const SavedModels& saved = self.session.core().savedModels(); saved.isOn()) {
+      result.key("saved").texts(saved.names());
+    }
     result.endObject();
+    self.session.respond(self.id, result.view());
+  });
+}
+
+void modelSave(const Request& request, protocol::SaveModelParams params) {
+  runOnWorker(request, [params = std::move(params)](const Request& self) {
+    const auto revision = self.session.core().savedModels().save(params);
+    if (!revision) {
+      self.session.respondError(self.id, revision.error());
+      return;
+    }
+    protocol::JsonWriter result;
+    result.beginObject().key("revision").text(*revision).endObject();
     self.session.respond(self.id, result.view());
   });
 }

@@ -51,6 +51,31 @@ class GalleryModels(unittest.TestCase):
         with self.assertRaisesRegex(ServerError, "no gallery model '\.\.'"):
             client.call("model.read", {"gallery": "../light-tree"})
 
+    def test_a_model_is_kept_on_the_disk_of_the_server(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        client = self.serve("--models", folder.name)
+        self.assertEqual(client.call("model.list", {})["saved"], [])
+        read = client.call("model.read", {"gallery": "textured-tree"})
+        first = client.call("model.save", {"name": "my tree", "files": read["files"], "binaryFiles": read["binaryFiles"]})
+        self.assertEqual((Path(folder.name) / "my tree" / "bark.png").read_bytes(), (GALLERY / "textured-tree" / "bark.png").read_bytes())
+        again = client.call("model.read", {"saved": "my tree"})
+        self.assertEqual((again["main"], again["files"], again["binaryFiles"], again["revision"]),
+                         ("textured-tree.l", read["files"], read["binaryFiles"], first["revision"]))
+        # another program changes it, as an editor on the server
+        (Path(folder.name) / "my tree" / "README.md").write_text("changed", encoding="utf-8")
+        with self.assertRaisesRegex(ServerError, "somebody else has saved or changed it") as caught:
+            client.call("model.save", {"name": "my tree", "files": {"a.l": ""}, "revision": first["revision"]})
+        self.assertEqual(caught.exception.code, 1017)
+        client.call("model.save", {"name": "my tree", "files": {"a.l": ""}, "revision": caught.exception.data["revision"]})
+        self.assertEqual(sorted(path.name for path in Path(folder.name).iterdir()), ["my tree"])
+        # a server without the option says so
+        none = self.serve()
+        self.assertNotIn("saved", none.call("model.list", {}))
+        with self.assertRaisesRegex(ServerError, "start it with --models FOLDER"):
+            none.call("model.save", {"name": "mine", "files": {"a.l": ""}})
+        self.assertIn("there is no folder '/nowhere' for models", espalier("serve", "--listen", "127.0.0.1:0", "--models", "/nowhere", status=1).stderr)
+
     def test_each_named_picture_is_there_and_nothing_else(self) -> None:
         client = self.serve()
         pictures = client.call("model.list", {})["pictures"]

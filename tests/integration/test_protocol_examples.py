@@ -121,7 +121,9 @@ class Examples(unittest.TestCase):
     def test_are_what_a_server_answers(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        server = Server(program(), arguments=["--gallery", str(GALLERY), "--log-level", "off", "--data", folder.name])
+        models = tempfile.TemporaryDirectory()
+        self.addCleanup(models.cleanup)
+        server = Server(program(), arguments=["--gallery", str(GALLERY), "--log-level", "off", "--data", folder.name, "--models", models.name])
         self.addCleanup(server.stop)
         player = Player(self, server.address)
         self.addCleanup(player.close)

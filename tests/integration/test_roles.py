@@ -90,7 +90,9 @@ class Roles(unittest.TestCase):
     def test_a_viewer_watches_and_changes_nothing(self) -> None:
         self.new_token("alice", "controller")
         self.new_token("screen", "viewer")
-        server = self.serve("--data", str(self.folder / "data"))
+        models = self.folder / "models"
+        models.mkdir()
+        server = self.serve("--data", str(self.folder / "data"), "--models", str(models))
         with Client(server.address, token=self.tokens["alice"], timeout=SECONDS) as alice, \
                 Client("ws://" + server.http, token=self.tokens["screen"], timeout=SECONDS) as screen:
             self.assertEqual(screen.server["roles"], ["viewer"])
@@ -104,6 +106,12 @@ class Roles(unittest.TestCase):
                     screen.call(method, named)
                 self.assertEqual(caught.exception.code, 1003)
             self.assertEqual(alice.call("simulation.get", {**named, "what": "state-hash"}), before)
+            # it reads the models on the server's disk and writes none
+            alice.call("model.save", {"name": "mine", "files": {"a.l": ""}})
+            self.assertEqual(screen.call("model.read", {"saved": "mine"})["files"], {"a.l": ""})
+            with self.assertRaises(ServerError) as caught:
+                screen.call("model.save", {"name": "yours", "files": {"a.l": ""}})
+            self.assertEqual((caught.exception.code, [path.name for path in models.iterdir()]), (1003, ["mine"]))
             # a notification that needs a role is ignored
             screen.notify("simulation.delete", named)
             self.assertEqual(len(screen.call("simulation.list")["simulations"]), 1)

@@ -237,12 +237,13 @@ TEST(Readme, TheNumbersOfErrorsAreFrozen) {
                                                         {1013, "snapshot"},
                                                         {1014, "storage"},
                                                         {1015, "shutting down"},
-                                                        {1016, "offer taken"}};
+                                                        {1016, "offer taken"},
+                                                        {1017, "model changed"}};
   EXPECT_EQ(errorRows(), frozen);
   for (const auto& [code, name] : frozen) {
     EXPECT_NE(nameOf(static_cast<ErrorCode>(code)), "unknown") << code;
   }
-  EXPECT_EQ(nameOf(static_cast<ErrorCode>(1017)), "unknown");
+  EXPECT_EQ(nameOf(static_cast<ErrorCode>(1018)), "unknown");
   EXPECT_EQ(static_cast<int>(ErrorCode::Parse), -32700);
   EXPECT_EQ(static_cast<int>(ErrorCode::Internal), -32603);
   EXPECT_EQ(static_cast<int>(ErrorCode::Version), 1001);

@@ -244,6 +244,9 @@ void addServe(CLI::App& program, int& status) {
       ->check(CLI::IsMember({"process", "power"}))
       ->capture_default_str();
   command->add_option(
+      "--models", options->server.modelsFolder,
+      "Folder in which controllers keep models: the studio opens them and saves there. A folder for each model");
+  command->add_option(
       "--gallery", options->server.galleryFolder,
       "Folder of model folders that clients use by name: {\"gallery\":\"NAME\"} (default: the gallery that "
       "came with the program)");

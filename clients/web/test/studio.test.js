@@ -355,7 +355,7 @@ test("the page watches what another program does, and lives through a new start 
   await pupil.waitForFunction(() => document.getElementById("plant")?.dataset.step === "3");
   assert.ok(await pupil.isDisabled("#step"));
   await pupil.keyboard.press("ArrowRight");
-  await pupil.evaluate(() => studio.act(() => studio.setEnvironment("honda")));
+  await pupil.evaluate(() => studio.act(() => studio.setProcesses([{ type: "honda" }])));
   await pupil.waitForFunction(() => document.getElementById("message").textContent.startsWith("This link only watches."));
   assert.match(await pupil.evaluate(() => studio.simulation.step().then(() => "", (error) => error.message)), /role|controller/);
   await page.evaluate((id) => studio.simulation.client.simulation(id).step(), made);

@@ -1,9 +1,10 @@
 // The studio in Chromium, at a real server: two plants beside each other, and editors of files.
 import assert from "node:assert/strict";
-import { cpSync, readFileSync, writeFileSync } from "node:fs";
+import { spawnSync } from "node:child_process";
+import { cpSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { GALLERY, folder, keep, lineAt, open, problems, running, serve, shown, stopped, stringOf } from "./pages.js";
+import { GALLERY, folder, keep, lineAt, open, problems, program, running, serve, shown, stopped, stringOf } from "./pages.js";
 
 test("a fork stands beside the plant: both make the same steps, one camera looks at both, and a cut is seen in one", async () => {
   const page = await open(`${running.address}/#gallery=parametric-tree`);
@@ -176,6 +177,53 @@ test("a gallery model that changes on the server's disk stays as the page shows 
   await page.waitForFunction(() => document.getElementById("message").textContent === "");
   await page.close();
   await stopped(own.server);
+});
+
+test("a model is saved on the server, opened again, and two people do not write over each other", async () => {
+  const models = join(folder, "models");
+  mkdirSync(models);
+  const keeping = await serve("127.0.0.1:0", "--models", models);
+  const page = await open(`${keeping.address}/#gallery=shadow-trees`);
+  // the files of a published environment count when they are changed
+  const before = await page.evaluate(() => studio.counts.derivations);
+  await page.evaluate(() => studio.edit("shadow-trees.spec", studio.document.files["shadow-trees.spec"].replace("shadow weight: 0.58", "shadow weight: 0.3")));
+  await page.waitForFunction((old) => studio.counts.derivations > old, before);
+  await shown(page);
+  const grown = await stringOf(page);
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press("Control+s");
+  await page.waitForSelector("#save-on-server");
+  await page.fill("#saved-name", "our trees");
+  await keep(page, "studio-save-on-server");
+  await page.click("#save-on-server button.primary");
+  await page.waitForFunction(() => document.getElementById("message").textContent === "Saved on the server as “our trees”." && !studio.isChanged);
+  await page.keyboard.press("Escape");
+  const kept = spawnSync(program, ["derive", join(models, "our trees"), "--seed", String(await page.evaluate(() => studio.seed))], { encoding: "utf8", maxBuffer: 1e9 });
+  assert.ok(kept.stdout.trim() === grown, "the command line derives the same plant");
+
+  const other = await open(keeping.address);
+  await other.click("#open-gallery");
+  await other.click('[data-saved="our trees"]');
+  await other.waitForFunction(() => studio.document.saved?.name === "our trees");
+  await shown(other);
+  assert.ok((await stringOf(other)) === grown, "so does the other page");
+  await other.evaluate(() => studio.edit("shadow-trees.l", `/* mine */\n${studio.document.files["shadow-trees.l"]}`));
+  await other.keyboard.press("Control+s");
+  await other.waitForFunction(() => !studio.isChanged);
+  // the first page does not know that text
+  await page.evaluate(() => studio.edit("shadow-trees.l", `/* yours */\n${studio.document.files["shadow-trees.l"]}`));
+  await page.keyboard.press("Control+s");
+  await page.waitForSelector("#save-on-server");
+  await page.click("#save-on-server button.primary");
+  await page.waitForSelector("#save-over");
+  assert.match(readFileSync(join(models, "our trees", "shadow-trees.l"), "utf8"), /^\/\* mine/);
+  await keep(page, "studio-save-over");
+  await page.click("#save-over");
+  await page.waitForFunction(() => !studio.isChanged);
+  assert.match(readFileSync(join(models, "our trees", "shadow-trees.l"), "utf8"), /^\/\* yours/);
+  await page.close();
+  await other.close();
+  await stopped(keeping.server);
 });
 
 test("no page had an error, or asked for anything that its policy forbids", () => {

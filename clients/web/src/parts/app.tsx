@@ -6,6 +6,7 @@ import { ExportDialog, GalleryDialog, HelpDialog, ShareDialog } from "./dialogs.
 import { IconButton } from "./icons.js";
 import { Side } from "./side.js";
 import type { Tab } from "./side.js";
+import { saveOnServer } from "../studio/saved.js";
 import { MODES, Stage, setMode } from "./stage.js";
 import { TextPane } from "./text.js";
 import { Timeline } from "./timeline.js";
@@ -124,6 +125,16 @@ function leaveButton(event: MouseEvent): void {
   }
 }
 
+/** Saves under the name that the model has on the server; a new one, and one that changed there, ask for a name. */
+function saveAgain(studio: Studio, setOpen: (open: Window) => void): void {
+  const { saved } = studio.document;
+  void studio.act(async () => {
+    if (!document.querySelector("dialog[open]") && !(saved && (await saveOnServer(studio, saved.name)))) {
+      setOpen("export");
+    }
+  });
+}
+
 function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window) => void): void {
   const target = event.target as HTMLElement;
   if (event.defaultPrevented) {
@@ -131,6 +142,11 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
   }
   if (event.key === "Escape" && target.closest(".cm-editor")) {
     target.blur();
+    return;
+  }
+  if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "s" && studio.saved && !studio.isReadOnly) {
+    event.preventDefault();
+    saveAgain(studio, setOpen);
     return;
   }
   const isWriting = target.closest(".cm-editor, textarea, select, input:not([type=range]):not([type=checkbox])");

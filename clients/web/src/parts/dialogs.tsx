@@ -5,7 +5,8 @@ import type { Studio } from "../studio/studio.js";
 import { download, packed } from "../studio/share.js";
 import { filmGrowth } from "../studio/film.js";
 import { bytesOf } from "../studio/palette.js";
-import { newDocument } from "../studio/document.js";
+import { newDocument, publishedFileOf } from "../studio/document.js";
+import { listSaved, nameFor, openSaved, saveOnServer } from "../studio/saved.js";
 import { IconButton } from "./icons.js";
 
 export function Dialog(props: { title: string; onClose: () => void; class?: string; children: ComponentChildren }) {
@@ -64,6 +65,8 @@ function Picture({ studio, path }: { studio: Studio; path: string }) {
 
 export function GalleryDialog({ studio, onClose }: { studio: Studio; onClose: () => void }) {
   const [sought, setSought] = useState("");
+  useEffect(() => void studio.act(() => listSaved(studio)), []);
+  const saved = (studio.saved ?? []).filter((name) => name.toLowerCase().includes(sought.toLowerCase()));
   const found = studio.gallery.filter(({ name }) => name.toLowerCase().includes(sought.toLowerCase().replace(/ /g, "-")));
   const groups = new Map<string, typeof found>();
   found.forEach((entry) => groups.set(groupOf(entry.name), [...(groups.get(groupOf(entry.name)) ?? []), entry]));
@@ -84,6 +87,16 @@ export function GalleryDialog({ studio, onClose }: { studio: Studio; onClose: ()
         </label>
       </div>
       <div class="scroll">
+        {saved.length > 0 && (
+          <section>
+            <h3>Saved on this server</h3>
+            <div class="list">
+              {saved.map((name) => (
+                <button type="button" key={name} data-saved={name} onClick={() => open(() => openSaved(studio, name))}>{name}</button>
+              ))}
+            </div>
+          </section>
+        )}
         {order.map((group) => (
           <section key={group}>
             <h3>{group}</h3>
@@ -97,7 +110,7 @@ export function GalleryDialog({ studio, onClose }: { studio: Studio; onClose: ()
             </div>
           </section>
         ))}
-        {found.length === 0 && <p class="quiet">No model has this name.</p>}
+        {found.length + saved.length === 0 && <p class="quiet">No model has this name.</p>}
       </div>
     </Dialog>
   );
@@ -190,6 +203,7 @@ export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () 
     studio.act(async () => download(`${name}.${suffix}`, await studio.fetchFile(`/simulations/${studio.simulation!.id}/${name}.${suffix}`)));
   return (
     <Dialog title="Save" onClose={onClose}>
+      {studio.saved && !studio.isReadOnly && <SaveOnServer studio={studio} onDone={onClose} />}
       <h3>The model</h3>
       <div class="list">
         {Object.entries(studio.document.files).map(([file, text]) => (
@@ -212,6 +226,30 @@ export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () 
   );
 }
 
+function SaveOnServer({ studio, onDone }: { studio: Studio; onDone: () => void }) {
+  const [name, setName] = useState(nameFor(studio.document));
+  const [isOther, setOther] = useState(false); // the server has another model of this name
+  const save = (isOver: boolean) => void studio.act(async () => ((await saveOnServer(studio, name.trim(), isOver)) ? onDone() : setOther(true)));
+  const published = publishedFileOf(studio.document);
+  return (
+    <form id="save-on-server" onSubmit={(event) => { event.preventDefault(); save(false); }}>
+      <h3>On the server</h3>
+      <div class="row">
+        <input id="saved-name" aria-label="Name of the model on the server" value={name} required onInput={(event) => { setName(event.currentTarget.value); setOther(false); }} />
+        <button class="primary" disabled={studio.connection !== "connected"}>Save on the server</button>
+      </div>
+      {isOther && (
+        <p role="alert">
+          <span class="error">The server has another “{name}”: somebody saved it, or it was changed there since this page read it. Save under another name, or replace it.</span>{" "}
+          <button type="button" id="save-over" onClick={() => save(true)}>Replace it</button>
+        </p>
+      )}
+      {studio.document.environment && published in studio.document.files && studio.document.environment.some((one) => (one as { type?: string }).type !== "gallery") &&
+        <p class="quiet">The environment chosen at the side is not saved: the file {published} says it.</p>}
+    </form>
+  );
+}
+
 export const KEYS: Array<[string, string]> = [
   ["Space", "run, pause"],
   ["→", "one step"],
@@ -224,6 +262,7 @@ export const KEYS: Array<[string, string]> = [
   ["B", "a second plant beside, from this step; without it"],
   ["V", "table of variations"],
   ["S", "save"],
+  ["Ctrl S", "save on the server"],
   ["L", "link to this model"],
   ["R", "another seed"],
   ["D", "dark, light"],

@@ -1,5 +1,6 @@
 // The environment of a model as forms, made from the JSON Schemas of its processes.
 import { useState } from "preact/hooks";
+import { publishedFileOf } from "../studio/document.js";
 import type { Studio } from "../studio/studio.js";
 import type { EnvironmentEntry, Property } from "../studio/types.js";
 import { IconButton } from "./icons.js";
@@ -106,11 +107,13 @@ function ProcessForm({ process, place, known, onChange, onRemove }: { process: P
 
 export function EnvironmentForm({ studio }: { studio: Studio }) {
   const processes = (studio.document.environment ?? []) as Process[];
+  const published = publishedFileOf(studio.document);
   const put = (next: Process[]) => void studio.act(() => studio.setProcesses(next.length > 0 ? next : null));
   return (
     <div class="environment">
       <h3>Environment</h3>
-      {processes.length === 0 && <p class="quiet">Nothing answers the queries of this model. Choose what surrounds the plant.</p>}
+      {processes.length === 0 && published in studio.document.files && <p class="quiet">The file {published} says what surrounds the plant. Change it and the files that it names as text.</p>}
+      {processes.length === 0 && !(published in studio.document.files) && <p class="quiet">Nothing answers the queries of this model. Choose what surrounds the plant.</p>}
       {processes.map((process, i) => (
         <ProcessForm key={`${studio.document.title} ${i} ${process.type}`} process={process} place={i} known={studio.environments.find(({ name }) => name === process.type)}
           onChange={(next) => put(processes.map((one, k) => (k === i ? next : one)))} onRemove={() => put(processes.filter((_, k) => k !== i))} />

@@ -1,7 +1,7 @@
 // The right side: parameters, the chosen module, the set-up, the simulations of the server.
 import { useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
-import { guessedRange } from "../studio/document.js";
+import { guessedRange, processesWritten } from "../studio/document.js";
 import type { Define } from "../studio/document.js";
 import { ColourBoard } from "./colour_board.js";
 import { EnvironmentForm } from "./environment_form.js";
@@ -125,7 +125,7 @@ function SetUp({ studio }: { studio: Studio }) {
       <details>
         <summary>The environment as JSON</summary>
         <textarea id="environment" rows={6} spellcheck={false} aria-label="Environment, a name or JSON" value={shown} placeholder='honda, or [{"type": "honda", "radius": 0.5}]' onInput={(event) => setText(event.currentTarget.value)} />
-        <button type="button" id="use-environment" onClick={() => { setText(null); void studio.act(() => studio.setEnvironment(shown)); }}>Grow with it</button>
+        <button type="button" id="use-environment" onClick={() => { setText(null); void studio.act(() => studio.setProcesses(processesWritten(shown))); }}>Grow with it</button>
       </details>
       <label class="check">
         <input type="checkbox" checked={studio.isLive} onChange={(event) => { studio.isLive = event.currentTarget.checked; studio.changed(); }} />

@@ -9,6 +9,8 @@ export interface Document {
   environment: unknown[] | null; // of simulation.create; null: none
   /** The gallery entry it came from, as long as nothing is changed: it may bring more than files. */
   gallery: string | null;
+  /** The model of the server's disk that it is saved as. */
+  saved?: { name: string; revision: string } | null;
 }
 
 /** A `#define NAME NUMBER` of a file. */
@@ -23,6 +25,48 @@ export interface Define {
 }
 
 export const fileOf = (main: string): string => main.split(":")[0];
+
+const besides = ({ main }: Document, suffix: string): string => fileOf(main).replace(/\.[^.]*$/, "") + suffix;
+/** The file beside the model that has the environment as JSON. */
+export const environmentFileOf = (document: Document): string => besides(document, ".json");
+/** The same of the published environments. */
+export const publishedFileOf = (document: Document): string => besides(document, ".e");
+
+/** The processes that a configuration names; null: none, or no configuration. */
+export function processesOf(text: string): unknown[] | null {
+  try {
+    const list = [JSON.parse(text)].flat();
+    return list.length > 0 ? list : null;
+  } catch {
+    return null;
+  }
+}
+
+/** The processes that a person wrote: a name, or JSON. Throws when it is neither. */
+export function processesWritten(text: string): unknown[] | null {
+  const trimmed = text.trim();
+  return trimmed === "" ? null : /^[[{]/.test(trimmed) ? [JSON.parse(trimmed)].flat() : [{ type: trimmed }];
+}
+
+/** The document with other processes. Its file has them too, unless a published file says them. */
+export function withProcesses(document: Document, environment: unknown[] | null): Document {
+  const file = environmentFileOf(document);
+  const files = { ...document.files };
+  if (environment && !(publishedFileOf(document) in files)) {
+    files[file] = `${JSON.stringify(environment.length === 1 ? environment[0] : environment, null, 2)}\n`;
+  } else {
+    delete files[file];
+  }
+  return { ...document, environment, files, gallery: null };
+}
+
+/** The document with another text of a file. An environment that stands in files follows them. */
+export function withText(document: Document, file: string, text: string): Document {
+  const files = { ...document.files, [file]: text };
+  const isOfFiles = publishedFileOf(document) in files && document.environment?.every((one) => (one as { type?: string }).type === "gallery");
+  const environment = isOfFiles ? null : file === environmentFileOf(document) ? (processesOf(text) ?? document.environment) : document.environment;
+  return { ...document, files, environment, gallery: null };
+}
 
 const NUMBER = /^([ \t]*#[ \t]*define[ \t]+)([A-Za-z_]\w*)([ \t]+)([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)[ \t]*(?:\/\*([^*]*)\*\/|\/\/(.*))?[ \t]*\r?$/gm;
 

@@ -27,6 +27,7 @@ export async function unpacked(text: string): Promise<Shared> {
   if (typeof shared.document?.main !== "string" || typeof shared.document.files !== "object") {
     throw new Error("The link holds no model.");
   }
+  shared.document.saved = null; // on another server, perhaps
   return shared;
 }
 

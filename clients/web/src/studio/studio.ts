@@ -5,7 +5,7 @@ import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { ModelPalette } from "../view/colours.js";
 import type { Picked } from "../view/measures.js";
-import { definesOfDocument, fileOf, modelOf, newDocument, numberText } from "./document.js";
+import { definesOfDocument, fileOf, modelOf, newDocument, numberText, withProcesses, withText } from "./document.js";
 import type { Define, Document } from "./document.js";
 import { Beside } from "./beside.js";
 import type { Growth } from "./beside.js";
@@ -30,6 +30,7 @@ export class Studio {
   connection: Connection = "connecting";
   server = "";
   gallery: GalleryEntry[] = [];
+  saved: string[] | null = null; // models on the server's disk; null: it keeps none
   environments: EnvironmentEntry[] = [];
   simulations: Information[] = [];
 
@@ -172,8 +173,9 @@ export class Studio {
     this.message = null;
     this.connection = "connected";
     this.server = this.client.hello.server;
-    const [{ entries, pictures }, { environments }] = await Promise.all([this.client.gallery(), this.client.call("environment.list", {})]);
+    const [{ entries, pictures, saved }, { environments }] = await Promise.all([this.client.gallery(), this.client.call("environment.list", {})]);
     this.gallery = entries.map((name) => ({ name, picture: pictures[name] ?? null }));
+    this.saved = saved ?? null;
     this.environments = environments as EnvironmentEntry[];
     this.onConnected();
     await this.list();
@@ -258,7 +260,7 @@ export class Studio {
     if (this.document.files[file] === text) {
       return;
     }
-    this.document = { ...this.document, files: { ...this.document.files, [file]: text }, gallery: null };
+    this.document = withText(this.document, file, text);
     this.isChanged = true;
     this.changed();
     void this.check();
@@ -266,7 +268,7 @@ export class Studio {
 
   /** Many changes in a row, as by a drag: the plant of the newest text is grown, never two at a time. */
   editContinuously(file: string, text: string): Promise<void> {
-    return this.follow({ files: { ...this.document.files, [file]: text } });
+    return this.follow(withText(this.document, file, text));
   }
 
   private async follow(changes: Partial<Document>): Promise<void> {
@@ -310,14 +312,9 @@ export class Studio {
     this.changed();
   }
 
-  setEnvironment(text: string): Promise<void> {
-    const trimmed = text.trim();
-    return this.setProcesses(trimmed === "" ? null : /^[[{]/.test(trimmed) ? [JSON.parse(trimmed)].flat() : [{ type: trimmed }]);
-  }
-
   /** The processes of the environment; null: none. The plant grows again among them. */
   setProcesses(environment: unknown[] | null): Promise<void> {
-    return this.follow({ environment });
+    return this.follow(withProcesses(this.document, environment));
   }
 
   /** Compiles the text a moment after the last change, and grows the plant when it is right. */
