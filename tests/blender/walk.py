@@ -50,12 +50,13 @@ def main(archive: str, result: str, *rest: str) -> None:
     bpy.ops.preferences.addon_enable(module="espalier_blender")
     import espalier_blender
     live = rest.index("--live") if "--live" in rest else len(rest)
-    saw: Dict[str, Any] = {"files": {}, "errors": {}, "frames": [], "live": []}
+    saw: Dict[str, Any] = {"files": {}, "errors": {}, "collections": {}, "frames": [], "live": []}
     for file in rest[:live]:
         try:
             bpy.ops.espalier.import_glb(filepath=file)
             name = espalier_blender.import_file(Path(file))
             saw["files"][Path(file).name] = seen(name)
+            saw["collections"][file] = name
         except RuntimeError as error:
             saw["errors"][Path(file).name] = str(error)
     series = [collection.name for collection in bpy.data.collections if "espalier_steps" in collection]

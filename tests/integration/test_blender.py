@@ -58,6 +58,13 @@ class Blender(unittest.TestCase):
         espalier("run", model("textured-tree"), "--steps", "5", "--instancing", "--quiet", "-o", str(cls.leafy))
         espalier("run", str(GALLERY / "two-trees"), "--steps", "4", "--quiet", "-o", str(cls.pair))
         espalier("run", str(GALLERY / "two-trees"), "--steps", "3", "--every", "--quiet", "-o", str(cls.folder / "growth-%04d.glb"))
+        # variants are plants of their own; the same name in another folder, and a name that Blender would cut
+        long = "a-plant-with-a-name-that-is-longer-than-what-blender-keeps-of-a-name"
+        cls.others = [cls.folder / "variant-001.glb", cls.folder / "variant-002.glb", cls.folder / "other" / "pair.glb",
+                      cls.folder / f"{long}-a.glb", cls.folder / f"{long}-b.glb"]
+        (cls.folder / "other").mkdir()
+        for each in cls.others:
+            shutil.copy(cls.pair, each)
         (cls.folder / "cut.glb").write_bytes(cls.pair.read_bytes()[:-100])
         with warnings.catch_warnings(), Server(program(), arguments=["--gallery", str(GALLERY)]) as server, server.connect() as client:
             warnings.simplefilter("ignore")  # no environment answers these trees
@@ -71,7 +78,7 @@ class Blender(unittest.TestCase):
                     other.step()
             done = subprocess.run(
                 ["blender", "-b", "--factory-startup", "--python", str(WALK), "--", str(archive), str(result), str(cls.leafy), str(cls.pair),
-                 str(cls.folder / "growth-0000.glb"), str(cls.folder / "cut.glb"), "--live", server.address, "", simulation.identifier],
+                 *map(str, cls.others), str(cls.folder / "growth-0000.glb"), str(cls.folder / "cut.glb"), "--live", server.address, "", simulation.identifier],
                 capture_output=True, text=True, timeout=120, check=False,
                 env={**os.environ, "BLENDER_USER_SCRIPTS": str(cls.folder / "scripts"), "BLENDER_USER_CONFIG": str(cls.folder / "config")})
         if not result.exists():
@@ -121,6 +128,11 @@ class Blender(unittest.TestCase):
             file = self.folder / f"growth-{step:04d}.glb"
             self.assertEqual([(plant["vertices"], plant["faces"]) for plant in plants], [counts(file, plant["name"]) for plant in plants])
         self.assertEqual(len({plant["pointer"] for plants in self.saw["frames"] for plant in plants}), 2, "two plants stay two objects")
+
+    def test_each_file_has_a_collection_of_its_own(self) -> None:
+        names = self.saw["collections"]
+        self.assertEqual([names[str(each)] for each in (self.pair, *self.others[:3])], ["pair", "variant-001", "variant-002", "pair 2"])
+        self.assertEqual(len({names[str(each)] for each in self.others[3:]}), 2)
 
     def test_a_live_link_shows_each_step_in_the_same_objects(self) -> None:
         self.assertEqual([step for step, _ in self.saw["live"]], [0, 1, 2, 3])

@@ -15,10 +15,12 @@ bl_info = {"name": "Espalier", "author": "The Espalier authors", "version": (0, 
            "location": "File > Import > Espalier; sidebar of the 3D view", "description": "Plants that grow: import, animation, live link"}
 
 STEPS = "espalier_steps"  # custom property of a collection: the first file of a series
+FILE = "espalier_file"  # of a collection: the file that it came from, of a series the first
 
 
 def steps_of(path: Path) -> List[Path]:
-    """The files of a series, growth-0000.glb, growth-0001.glb, ..., from one of them; a file without a number alone."""
+    """The files of a series, growth-0000.glb, growth-0001.glb, ..., from one of them. A file without a number is alone, and so are
+    variants, which begin with 1."""
     match = re.fullmatch(r"(.*?)(\d+)(\.glb)", path.name)
     if match is None:
         return [path]
@@ -27,16 +29,24 @@ def steps_of(path: Path) -> List[Path]:
         same = re.fullmatch(re.escape(match[1]) + r"(\d+)\.glb", other.name)
         if same:
             numbered[int(same[1])] = other
-    return [numbered[number] for number in sorted(numbered)]
+    return [numbered[number] for number in sorted(numbered)] if 0 in numbered else [path]
 
 
 def import_file(path: Path) -> str:
-    """Shows a file. Of a series the frames of the scene become its steps. Returns the name of the collection."""
+    """Shows a file. Of a series the frames of the scene become its steps. Returns the name of the collection: that of the file, with a
+    number when a file of another folder has it."""
     files = steps_of(path)
-    name = re.sub(r"-?\d*$", "", path.stem) or path.stem
+    wanted = scene.short(re.sub(r"-?\d*$", "", path.stem) or path.stem if len(files) > 1 else path.stem, 55)
+    file, name, count = str(files[0].resolve()), wanted, 1
+    while name in bpy.data.collections and bpy.data.collections[name].get(FILE, file) != file:
+        name, count = f"{wanted} {count + 1}", count + 1
     scene.show(glb.read(path.read_bytes()), name)
+    collection = bpy.data.collections[name]
+    collection[FILE] = file
+    if STEPS in collection:
+        del collection[STEPS]
     if len(files) > 1:
-        bpy.data.collections[name][STEPS] = str(files[0])
+        collection[STEPS] = file
         bpy.context.scene.frame_start, bpy.context.scene.frame_end = 0, len(files) - 1
         show_frame(bpy.context.scene)
     return name

@@ -148,7 +148,7 @@ class _Reader:
                         float(look.get("roughnessFactor", 1)), material.get("alphaMode") == "MASK", picture)
 
     def scene(self) -> Scene:
-        nodes = self.json["scenes"][_index(self.json.get("scene", 0))]["nodes"]
+        nodes = self.json["scenes"][_index(self.json.get("scene", 0))].get("nodes", [])
         materials = [self.material(material) for material in self.json.get("materials", [])] or [Material("plant", (1, 1, 1, 1), 1, False, None)]
         plants = [self.plant(self.json["nodes"][_index(node)]) for node in nodes]
         for mesh in self.meshes.values():

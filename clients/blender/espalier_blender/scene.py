@@ -16,6 +16,14 @@ ORGAN = "espalier_organ"  # of copies of an organ: its name and number
 LOOK = "espalier_look"  # of materials: what they were made from
 
 
+def short(name: str, most: int = 63) -> str:
+    """A name that Blender keeps whole: it cuts names behind 63 bytes, and two long ones would become one."""
+    content = name.encode("utf-8")
+    if len(content) <= most:
+        return name
+    return content[:most - 9].decode("utf-8", "ignore") + " " + hashlib.sha256(content).hexdigest()[:8]
+
+
 def show(scene: glb.Scene, name: str = "Espalier") -> List[Any]:
     """Shows the plants in the collection `name`. Objects that are there stay the same objects, with their modifiers, and get new
     meshes; plants that are gone are removed. Returns the objects of the plants."""
@@ -47,7 +55,7 @@ def _show_organs(collection: Any, parent: Any, plant: glb.Plant, materials: List
     there: Dict[str, Any] = {thing[ORGAN]: thing for thing in parent.children if ORGAN in thing}
     for number, organ in enumerate(plant.instances):
         key = f"{number} {organ.name}"
-        mesh_name = f"{collection.name} {plant.name} {key}"
+        mesh_name = short(f"{collection.name} {plant.name} {key}")
         mesh = bpy.data.meshes.get(mesh_name) or bpy.data.meshes.new(mesh_name)
         _fill(mesh, organ.mesh, materials)
         for copy, place in enumerate(organ.places):
@@ -101,7 +109,7 @@ def _fill(mesh: Any, source: glb.Mesh, materials: List[Any]) -> None:
 
 def _material(source: glb.Material, owner: str) -> Any:
     """The material of a name; it is made again only when the model's has changed, so changes of the user stay."""
-    name = f"{owner} {source.name}"
+    name = short(f"{owner} {source.name}")
     picture = "" if source.picture is None else hashlib.sha256(source.picture).hexdigest()
     look = repr((source.colour, source.roughness, source.is_masked, picture))
     material = bpy.data.materials.get(name) or bpy.data.materials.new(name)
