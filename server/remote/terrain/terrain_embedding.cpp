@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/vec3.h"
 #include "environment/base/published_text.h"
 #include "environment/output/file_embedding.h"
 #include "environment/registry.h"
@@ -51,11 +52,12 @@ std::optional<std::string> problemOfPlace(const Terrain& terrain) {
   const double depth = terrain.north - terrain.south();
   const double east = std::max({0.0, terrain.west, -terrain.east()});
   const double north = std::max({0.0, terrain.south(), -terrain.north});
-  if (std::hypot(east, north) <= std::hypot(width, depth)) {
+  const double distance = core::length({east, north, 0.0});
+  if (distance <= core::length({width, depth, 0.0})) {
     return std::nullopt;
   }
   const auto whole = [](double place) { return std::to_string(std::llround(std::clamp(place, -1e15, 1e15))); };
-  return "it lies " + whole(std::hypot(east, north)) +
+  return "it lies " + whole(distance) +
          " from the origin, where plants stand. Set 'terrainOrigin' to the east, north and height of a place in it: "
          "its "
          "middle is [" +
