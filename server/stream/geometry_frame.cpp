@@ -7,6 +7,7 @@
 #include "engine/turtle/export/exporters.h"
 #include "protocol/json_writer.h"
 #include "server/remote/translation/translate_geometry.h"
+#include "server/stream/row_selection.h"
 
 namespace espalier::server {
 namespace {
@@ -58,26 +59,6 @@ class CommonSymbols {
   std::vector<std::pair<const language::Program*, std::vector<core::SymbolId>>> ofProgram_;
 };
 
-/// Whether a selection takes what a plant's module of a symbol drew.
-class Taken {
- public:
-  Taken(const std::vector<std::string>& symbols, const protocol::StreamSelection& select)
-      : plants_(select.plants), areAllSymbols_(select.symbols.empty()) {
-    for (const std::string& name : symbols) {
-      isTaken_.push_back(std::find(select.symbols.begin(), select.symbols.end(), name) != select.symbols.end());
-    }
-  }
-  [[nodiscard]] bool operator()(const turtle::GeometrySources& rows, std::size_t row) const {
-    return (plants_.empty() || std::find(plants_.begin(), plants_.end(), rows.plant[row]) != plants_.end()) &&
-           (areAllSymbols_ || (rows.symbol[row] < isTaken_.size() && isTaken_[rows.symbol[row]]));
-  }
-
- private:
-  const std::vector<std::uint32_t>& plants_;
-  bool areAllSymbols_;
-  std::vector<bool> isTaken_;  // by symbol
-};
-
 void append(turtle::GeometrySources& to, const turtle::GeometrySources& from, std::size_t row) {
   to.plant.push_back(from.plant[row]);
   to.module.push_back(from.module[row]);
@@ -86,7 +67,10 @@ void append(turtle::GeometrySources& to, const turtle::GeometrySources& from, st
   to.branchOrder.push_back(from.branchOrder[row]);
 }
 
-turtle::Geometry selected(const turtle::Geometry& all, const Taken& isTaken) {
+turtle::Geometry selected(const turtle::Geometry& all, const RowSelection& selection) {
+  const auto isTaken = [&](const turtle::GeometrySources& rows, std::size_t row) {
+    return selection.takes(rows.plant[row], rows.symbol[row]);
+  };
   turtle::Geometry some;
   some.areWidthsPixels = all.areWidthsPixels;
   for (std::size_t row = 0; row < all.segments.size(); ++row) {
@@ -186,7 +170,7 @@ std::variant<GeometryFrame, core::SimulationError> makeGeometryFrame(
     return failure.error();
   }
   if (!select.symbols.empty() || !select.plants.empty()) {
-    *geometry = selected(*geometry, Taken(*symbols, select));
+    *geometry = selected(*geometry, RowSelection(*symbols, select));
   }
   return GeometryFrame{std::move(symbols), std::move(geometry)};
 }

@@ -6,6 +6,7 @@
 
 #include "protocol/codec.h"
 #include "server/remote/translation/translate_environment.h"
+#include "server/stream/row_selection.h"
 
 namespace espalier::server {
 namespace {
@@ -114,9 +115,7 @@ turtle::QueryBatch emptyBatch() {
 /// The queries that a selection takes, with their replies.
 QueryRecord selected(const QueryRecord& record, const std::vector<std::string>& symbols,
                      const protocol::StreamSelection& select) {
-  const auto isIn = [](const auto& list, const auto& value) {
-    return list.empty() || std::find(list.begin(), list.end(), value) != list.end();
-  };
+  const RowSelection selection(symbols, select);
   const turtle::QueryBatch& all = record.queries;
   QueryRecord result{emptyBatch(), {}};
   turtle::QueryBatch& some = result.queries;
@@ -128,7 +127,7 @@ QueryRecord selected(const QueryRecord& record, const std::vector<std::string>& 
     }
   };
   for (std::size_t row = 0; row < all.size(); ++row) {
-    if (!isIn(select.plants, all.plant[row]) || !isIn(select.symbols, symbols[all.symbol[row]])) {
+    if (!selection.takes(all.plant[row], all.symbol[row])) {
       continue;
     }
     some.plant.push_back(all.plant[row]);

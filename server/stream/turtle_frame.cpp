@@ -1,18 +1,13 @@
 #include "server/stream/turtle_frame.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "protocol/json_writer.h"
 #include "server/stream/row_difference.h"
+#include "server/stream/row_selection.h"
 
 namespace espalier::server {
 namespace {
-
-template <typename T>
-bool isIn(const std::vector<T>& list, const T& value) {
-  return list.empty() || std::find(list.begin(), list.end(), value) != list.end();
-}
 
 void addVector(std::vector<double>& column, const core::Vec3& v) {
   if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
@@ -122,10 +117,11 @@ TurtleFrame makeTurtleFrame(const std::vector<turtle::TurtleRecord>& records,
   if (!isSelective) {
     reserveRows(frame, records.size());
   }
+  const RowSelection selection(*frame.symbols, select);
   for (std::size_t i = 0; i < records.size(); ++i) {
     const turtle::TurtleRecord& record = records[i];
     if (isSelective) {
-      if (!isIn(select.symbols, (*frame.symbols)[record.symbol]) || !isIn(select.plants, record.plant)) {
+      if (!selection.takes(record.plant, record.symbol)) {
         continue;
       }
       frame.index.push_back(static_cast<std::uint32_t>(i));

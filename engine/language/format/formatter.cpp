@@ -60,14 +60,18 @@ class Formatter {
       return result;
     }
     result.isCompiled = true;
-    compileOriginals();
+    compileOriginals(compiled.program);
     const CodeOfFile code = readCode(result.text, activeLineEnds(*compiled.program));
     code_ = &code;
     newline_ = result.text.find("\r\n") != std::string::npos ? "\r\n" : "\n";
     items_ = ItemLayout(code, compiled.program->symbols).run(result.untouchedItems);
-    isAccepted_.assign(items_.size(), false);
-    areBlanksTidied_ = isSame(assemble());
-    accept(0, items_.size());
+    // nearly every model keeps its meaning in the new layout as a whole
+    isAccepted_.assign(items_.size(), true);
+    if (!isSame(assemble())) {
+      isAccepted_.assign(items_.size(), false);
+      areBlanksTidied_ = isSame(assemble());
+      accept(0, items_.size());
+    }
     for (std::size_t i = 0; i < items_.size(); ++i) {
       result.untouchedItems += isAccepted_[i] ? 0U : 1U;
     }
@@ -78,11 +82,12 @@ class Formatter {
  private:
   static constexpr std::array kModes{core::Compatibility::Espalier, core::Compatibility::Cpfg};
 
-  void compileOriginals() {
+  /// `known`: the program in the mode of the input.
+  void compileOriginals(const std::shared_ptr<const Program>& known) {
     for (const core::Compatibility mode : kModes) {
       CompileInput input = input_;
       input.compatibility = mode;
-      originals_.push_back(compile(input, files_).program);
+      originals_.push_back(mode == input_.compatibility ? known : compile(input, files_).program);
     }
   }
 

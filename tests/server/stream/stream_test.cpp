@@ -112,9 +112,9 @@ TEST(Stream, AViewerThatDoesNotReadNeitherStopsTheSimulationNorFillsTheServer) {
              "FFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFFF\nendlsystem\n");
   RawPeer viewer(server);
   (void)viewer.ask(kHello);
-  viewer.send(R"({"jsonrpc":"2.0","id":2,"method":"stream.open","params":{"simulation":")" + simulation +
-              R"(","what":"string"}})"
-              "\n");
+  const std::string opened = viewer.ask(R"({"jsonrpc":"2.0","id":2,"method":"stream.open","params":{"simulation":")" +
+                                        simulation + R"(","what":"string"}})");
+  EXPECT_EQ(member(opened, "id"), "2");
   EXPECT_EQ(member(resultOf(controller->request("simulation.run", named(simulation))), "step"), "300");
   // when it reads at last, it ends at the latest step without having been closed
   std::string frame;
