@@ -60,6 +60,30 @@ constexpr auto kCommands = std::to_array<Command>({
     {"self-test", espalier::command::addSelfTest},
 });
 
+// names the commands of a command that was given without one, as of `connect ADDRESS`, and the one that was meant
+void suggestPart(const CLI::App& command, int argumentCount, char** arguments) {
+  const auto parts = command.get_subcommands([](const CLI::App*) { return true; });
+  std::vector<std::string> names;
+  for (const CLI::App* part : parts) {
+    names.push_back(part->get_name());
+  }
+  std::size_t positionals = 0;
+  for (const CLI::Option* option : command.get_options()) {
+    positionals += option->get_positional() ? 1 : 0;
+  }
+  std::string given;
+  for (int i = 2; i < argumentCount && given.empty(); ++i) {
+    const std::string_view word = arguments[i];
+    if (!word.starts_with('-') && positionals-- == 0) {
+      given = word;
+    }
+  }
+  const std::vector<std::string_view> all(names.begin(), names.end());
+  espalier::command::printError((given.empty() ? "give a command behind '" + command.get_name() + "'. "
+                                               : "there is no command '" + command.get_name() + " … " + given + "'. ") +
+                                espalier::core::suggestName(given, all));
+}
+
 // names the option that was probably meant, of the command that was given
 void suggestOption(const CLI::App& program, int argumentCount, char** arguments) {
   const CLI::App* command = &program;
@@ -161,6 +185,12 @@ int main(int argumentCount, char** arguments) {
     suggestOption(program, argumentCount, arguments);
     return kUsage;
   } catch (const CLI::ParseError& error) {
+    const CLI::App* const given = named == kCommands.end() ? nullptr : program.get_subcommand(std::string(named->name));
+    const bool lacksPart = std::string_view(error.what()).find("subcommand") != std::string_view::npos;
+    if (lacksPart && given != nullptr && given->get_subcommands().empty()) {
+      suggestPart(*given, argumentCount, arguments);
+      return kUsage;
+    }
     program.exit(error);
     return kUsage;
   } catch (const espalier::core::InternalError& error) {

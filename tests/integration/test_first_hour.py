@@ -103,6 +103,12 @@ class FirstHour(unittest.TestCase):
     def test_help_of_an_unknown_command_names_the_nearest(self) -> None:
         self.assertIn("there is no command 'derve'. Did you mean 'derive'?", espalier("help", "derve", status=2).stderr)
 
+    def test_a_mistyped_part_of_a_command_gets_the_nearest(self) -> None:
+        done = espalier("connect", "127.0.0.1:1", "crate", "model.l", status=2)
+        self.assertIn("there is no command 'connect … crate'. Did you mean 'create'?", done.stderr)
+        self.assertIn("give a command behind 'token'. Available: new", espalier("token", status=2).stderr)
+        self.assertIn("ADDRESS is required", espalier("connect", status=2).stderr)
+
     # ---- limits and numbers
 
     def test_a_limit_has_one_name(self) -> None:
