@@ -101,7 +101,11 @@ void suggestOption(const CLI::App& program, int argumentCount, char** arguments)
     if (!given.starts_with("--") || std::find(names.begin(), names.end(), given) != names.end()) {
       continue;
     }
-    const std::string_view nearest = espalier::core::nearestName(given, {names.begin(), names.end()});
+    // what other servers call it
+    const bool isAddress =
+        (given == "--port" || given == "--host") && std::ranges::find(names, "--listen") != names.end();
+    const std::string_view nearest =
+        isAddress ? "--listen HOST:PORT" : espalier::core::nearestName(given, {names.begin(), names.end()});
     if (!nearest.empty()) {
       std::fprintf(stderr, "Did you mean %s?\n", std::string(nearest).c_str());
     }

@@ -107,6 +107,7 @@ class FirstHour(unittest.TestCase):
         done = espalier("connect", "127.0.0.1:1", "crate", "model.l", status=2)
         self.assertIn("there is no command 'connect … crate'. Did you mean 'create'?", done.stderr)
         self.assertIn("give a command behind 'token'. Available: new", espalier("token", status=2).stderr)
+        self.assertIn("Did you mean --listen HOST:PORT?", espalier("serve", "--port", "0", status=2).stderr)
         self.assertIn("ADDRESS is required", espalier("connect", status=2).stderr)
 
     # ---- limits and numbers
