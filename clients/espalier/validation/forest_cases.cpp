@@ -29,11 +29,10 @@ std::vector<Vec3> crownsOf(const ReferenceTable& table) {
   return crowns;
 }
 
-Canopy leavesOf(const std::vector<Vec3>& crowns) {
-  constexpr std::size_t kLeaves = 2000;
+Canopy leavesOf(const std::vector<Vec3>& crowns, std::size_t leaves) {
   Canopy canopy;
   for (const Vec3& crown : crowns) {
-    canopy.crown(crown, kRadius, kDensity * 4.0 / 3.0 * pi * kRadius * kRadius * kRadius, kLeaves);
+    canopy.crown(crown, kRadius, kDensity * 4.0 / 3.0 * pi * kRadius * kRadius * kRadius, leaves);
   }
   return canopy;
 }
@@ -112,7 +111,9 @@ CaseResult openForest(const Data& data, const std::string& spheres, const std::s
   if (!table || !places) {
     return result;
   }
-  const Canopy canopy = leavesOf(crownsOf(*places));
+  // of a crown; with 2000 the light that 239 crowns absorb differs by 0.0104
+  const std::size_t leaves = onlyZenith.empty() ? 5000 : 2000;
+  const Canopy canopy = leavesOf(crownsOf(*places), leaves);
   Largest high;
   Largest highToOwn;
   Largest low;
