@@ -75,6 +75,7 @@ struct ReadModelParams {
 struct SaveModelParams {
   std::string name;
   std::map<std::string, std::string> files;  // contents by name, texts and bytes
+  std::vector<std::string> remove;           // names of files that the model has no more
   std::string revision;                      // of model.read or the last save; empty: the model is new
 };
 

@@ -71,11 +71,14 @@ std::vector<core::Diagnostic> bracketWarnings(const std::string& file, std::stri
 }
 
 /// The root system of a file. Prints an error and returns nothing after it.
-std::optional<roots::RootSystem> readRootFile(const std::string& file, core::FileProvider& files) {
+std::optional<roots::RootSystem> readRootFile(const std::string& file, bool isQuiet, core::FileProvider& files) {
   auto read = roots::readRoots(file, files.read(file).value_or(""));
   if (!read) {
     printError(file + ", " + read.error());
     return std::nullopt;
+  }
+  if (!read->remark.empty() && !isQuiet) {
+    printNote("warning: '" + file + "': " + read->remark);
   }
   return std::move(*read);
 }
@@ -108,7 +111,7 @@ std::optional<std::string> readStartString(const ModelOptions& options, const st
     }
   }
   if (roots::isRootFile(file)) {
-    std::optional<roots::RootSystem> roots = readRootFile(file, files);
+    std::optional<roots::RootSystem> roots = readRootFile(file, isQuiet, files);
     if (!roots) {
       return std::nullopt;
     }
@@ -159,7 +162,7 @@ std::map<std::uint64_t, std::string> filesOfSeries(const std::string& pattern) {
 
 /// The root system of a time series; `file` becomes the last of its files. The number of a file is its day, counted
 /// from the first. Prints an error and returns nothing after it.
-std::optional<roots::RootSystem> readRootSeries(std::string& file, core::FileProvider& files) {
+std::optional<roots::RootSystem> readRootSeries(std::string& file, bool isQuiet, core::FileProvider& files) {
   const std::map<std::uint64_t, std::string> found = filesOfSeries(file);
   if (found.empty()) {
     printError("there is no file '" + numberedName(file, 0, 0) +
@@ -168,7 +171,7 @@ std::optional<roots::RootSystem> readRootSeries(std::string& file, core::FilePro
   }
   std::vector<roots::DatedRoots> series;
   for (const auto& [number, name] : found) {
-    std::optional<roots::RootSystem> roots = readRootFile(name, files);
+    std::optional<roots::RootSystem> roots = readRootFile(name, isQuiet, files);
     if (!roots) {
       return std::nullopt;
     }
@@ -438,7 +441,7 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
   std::error_code error;
   const bool isSeries = roots::isRootFile(options.model) && options.model.find('%') != std::string::npos &&
                         !std::filesystem::is_regular_file(options.model, error);
-  if (isSeries && !(roots = readRootSeries(options.model, files))) {
+  if (isSeries && !(roots = readRootSeries(options.model, options.isQuiet, files))) {
     return nullptr;
   }
   const server::FoundModel found = server::findModelFiles(options.model, options.object);
@@ -469,7 +472,7 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
 
   std::optional<RootModelFiles> rootFiles;
   if (roots::isRootFile(modelFiles.model)) {
-    if (!roots && !(roots = readRootFile(modelFiles.model, files))) {
+    if (!roots && !(roots = readRootFile(modelFiles.model, options.isQuiet, files))) {
       return nullptr;
     }
     if (roots->nodes.empty()) {

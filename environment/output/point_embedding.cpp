@@ -129,7 +129,9 @@ std::optional<std::string> problemOfPlace(const std::vector<core::Vec3>& points)
   const auto whole = [](double place) { return std::to_string(std::llround(std::clamp(place, -1e15, 1e15))); };
   const core::Vec3 middle = (low + high) * 0.5;
   return "its points lie " + whole(core::length(nearest)) +
-         " from the origin, where plants stand. Set 'pointOrigin' to a place among them: their middle is [" +
+         " from the origin of the world. Set 'pointOrigin' to a place among them, or to [0, 0, 0] if the plants have "
+         "such "
+         "coordinates too: their middle is [" +
          whole(middle.x) + ", " + whole(middle.y) + ", " + whole(middle.z) + "]";
 }
 

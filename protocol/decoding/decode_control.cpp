@@ -353,6 +353,7 @@ Expected<SaveModelParams> decodeSaveModelParams(const Payload& payload) {
     params.requireObject();
     save.name = readName(params["name"]);
     readFiles(params, save.files);
+    save.remove = readTexts(params["remove"]);
     save.revision = params["revision"].textOrEmpty();
   });
 }

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "engine/core/hash.h"
+#include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 #include "server/remote/disk_files.h"
 
@@ -87,6 +88,10 @@ protocol::Error changedError(const std::string& name, const std::string& revisio
 }  // namespace
 
 std::string problemOfSavedName(const std::string& name) {
+  // a message could not carry it
+  if (!protocol::isPlainText(name)) {
+    return "expected a name in UTF-8";
+  }
   if (name.empty() || name.size() > kMostNameBytes) {
     return "expected a name of 1 to " + std::to_string(kMostNameBytes) + " bytes";
   }
@@ -221,6 +226,12 @@ protocol::Expected<std::string> SavedModels::save(const protocol::SaveModelParam
                        "'. Its operator can look for room and for rights in the folder of --models."));
     }
     files.insert_or_assign(name, content);
+  }
+  for (const std::string& name : params.remove) {
+    // only what this save has seen, and does not bring again
+    if (!params.files.contains(name) && files.erase(name) > 0) {
+      fs::remove(folder / name, error);
+    }
   }
   return revisionOf(files);
 }

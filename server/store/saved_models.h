@@ -30,7 +30,8 @@ class SavedModels {
   [[nodiscard]] std::vector<std::string> names() const;
   /// The files of a model. Error NotFound.
   [[nodiscard]] protocol::Expected<SavedModel> read(const std::string& name) const;
-  /// Writes the files of a model, each whole, and gives the new revision. Files that the model has besides stay.
+  /// Writes the files of a model, each whole, removes those of `params.remove`, and gives the new revision. Other files
+  /// that the model has stay.
   /// Errors: InvalidParams for a name; ModelChanged unless `params.revision` is the present one (empty: the model must
   /// be new); Limit; Storage when the disk refuses.
   [[nodiscard]] protocol::Expected<std::string> save(const protocol::SaveModelParams& params);

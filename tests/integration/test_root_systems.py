@@ -158,8 +158,11 @@ class RootSystems(unittest.TestCase):
         wrong = self.written_in("cm")
         for number in ("77", "-3", "0.5"):
             wrong.write_text(wrong.read_text().replace('parent-node value="1"', f'parent-node value="{number}"'))
-            self.assertIn(f"the root begins at the parent-node {number}, and its parent has the points 0 to 2. Correct the number",
-                          espalier("traits", str(wrong), status=1).stderr)
+            right = espalier("traits", str(self.written_in("mm"))).stdout
+            done = espalier("traits", str(wrong))
+            self.assertIn(f"names a point that is not there: line 6 has the parent-node {number}, and the parent has the points 0 to 2",
+                          " ".join(done.stderr.split()))
+            self.assertEqual(done.stdout, right)
             wrong = self.written_in("cm")
 
     def test_many_days_are_an_animation_too_and_what_are_no_days_is_said(self) -> None:

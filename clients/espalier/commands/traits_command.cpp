@@ -97,6 +97,9 @@ int run(const TraitsOptions& options) {
       printError(options.model.model + ", " + read.error());
       return kFailure;
     }
+    if (!read->remark.empty()) {
+      printNote("warning: '" + options.model.model + "': " + read->remark);
+    }
     table = roots::traitTable(roots::traitsOf(*read, options.upAxis()));
   } else {
     table = tableOfModel(options, files);

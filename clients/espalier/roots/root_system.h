@@ -26,7 +26,8 @@ struct RootSystem {
     double emergence = std::numeric_limits<double>::quiet_NaN();  // day; not a number: unknown
   };
   std::vector<Node> nodes;
-  std::string unit;  // of lengths; empty: unknown
+  std::string unit;    // of lengths; empty: unknown
+  std::string remark;  // what could not be read as the file says it; empty: nothing
 };
 
 /// Files with larger coordinates are refused: lengths between them could not be computed.

@@ -257,12 +257,10 @@ class Reader {
       if (wanted >= 0.0 && wanted < static_cast<double>(nodesOfParent.size()) && wanted == std::floor(wanted)) {
         return nodesOfParent[static_cast<std::size_t>(wanted)];
       }
-      if (wrongJoin_.empty()) {
-        std::string number;
-        core::appendNumber(number, wanted, core::NumberStyle::Shortest);
-        wrongJoin_ = "line " + std::to_string(lateral.line) + ": the root begins at the parent-node " + number +
-                     ", and its parent has the points 0 to " + std::to_string(nodesOfParent.size() - 1) +
-                     ". Correct the number, or leave the property out";
+      if (wrongJoins_++ == 0) {
+        core::appendNumber(firstWrongJoin_, wanted, core::NumberStyle::Shortest);
+        firstWrongJoin_ = "line " + std::to_string(lateral.line) + " has the parent-node " + firstWrongJoin_ +
+                          ", and the parent has the points 0 to " + std::to_string(nodesOfParent.size() - 1);
       }
     }
     std::uint32_t best = nodesOfParent.front();
@@ -309,8 +307,10 @@ class Reader {
         roots.nodes.push_back(node);
       }
     }
-    if (!wrongJoin_.empty()) {
-      return tl::unexpected(wrongJoin_);
+    if (wrongJoins_ > 0) {
+      roots.remark =
+          std::to_string(wrongJoins_) + (wrongJoins_ == 1 ? " lateral begins" : " laterals begin") +
+          " at the nearest point of the parent, because the file names a point that is not there: " + firstWrongJoin_;
     }
     if (looks_ > kMostLooks) {
       return tl::unexpected(std::string(
@@ -321,7 +321,8 @@ class Reader {
 
   XML_Parser parser_ = nullptr;
   std::string problem_;
-  std::string wrongJoin_;          // about the first lateral whose parent-node is not there
+  std::size_t wrongJoins_ = 0;  // laterals whose parent-node is not there
+  std::string firstWrongJoin_;
   std::vector<ReadAxis> axes_;     // parents come first
   std::vector<std::size_t> open_;  // axes whose elements are open
   std::string function_;           // name of the last function

@@ -195,3 +195,16 @@ test("a slice of a field has its cells, and the surface of a value is where the 
   assert.equal(sliceOf(field, { axis: 2, place: 1, level: null }).values[0], values[120 * 7]);
   assert.deepEqual(rangeOf({ ...field, values: Float64Array.from([NaN, 2, -1]) }), [-1, 2]);
 });
+
+test("the environment of a document is a file of it, unless a published file says it", () => {
+  const plain = { ...model.newDocument(), main: "tree.l", files: { "tree.l": "" } };
+  const shaded = model.withProcesses(plain, [{ type: "shadow" }]);
+  assert.deepEqual(JSON.parse(shaded.files["tree.json"]), { type: "shadow" });
+  assert.deepEqual(model.withText(shaded, "tree.json", '[{"type": "honda"}, {"type": "wind"}]').environment, [{ type: "honda" }, { type: "wind" }]);
+  assert.deepEqual(model.withText(shaded, "tree.json", "{").environment, [{ type: "shadow" }]);
+  // with the last process the file goes too, so that the model does not find it again
+  assert.deepEqual(Object.keys(model.withProcesses(shaded, null).files), ["tree.l"]);
+  const published = { ...plain, files: { ...plain.files, "tree.e": "", "tree.json": "{}" }, environment: [{ type: "gallery", model: "tree" }], gallery: "tree" };
+  assert.equal(model.withText(published, "tree.e", "changed").environment, null);
+  assert.equal(model.withProcesses(published, [{ type: "honda" }]).files["tree.json"], "{}");
+});

@@ -58,8 +58,8 @@ std::optional<std::string> problemOfPlace(const Terrain& terrain) {
   }
   const auto whole = [](double place) { return std::to_string(std::llround(std::clamp(place, -1e15, 1e15))); };
   return "it lies " + whole(distance) +
-         " from the origin, where plants stand. Set 'terrainOrigin' to the east, north and height of a place in it: "
-         "its "
+         " from the origin of the world. Set 'terrainOrigin' to the east, north and height of a place in it, or to "
+         "[0, 0, 0] if the plants have such coordinates too: its "
          "middle is [" +
          whole(terrain.west + 0.5 * width) + ", " + whole(terrain.south() + 0.5 * depth) + ", " +
          whole(terrain.heights[(terrain.rows / 2) * terrain.columns + terrain.columns / 2]) + "]";

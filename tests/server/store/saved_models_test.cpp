@@ -26,7 +26,7 @@ class SavedModelsTest : public testing::Test {
 
   static void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
   ErrorCode codeOf(const std::string& name, const Files& files, const std::string& revision = {}) {
-    const auto saved = models_.save({.name = name, .files = files, .revision = revision});
+    const auto saved = models_.save({.name = name, .files = files, .remove = {}, .revision = revision});
     return saved ? ErrorCode::Parse : saved.error().code;
   }
 
@@ -38,7 +38,7 @@ class SavedModelsTest : public testing::Test {
 
 TEST_F(SavedModelsTest, AModelComesBackAsItWasSaved) {
   const Files files{{"tree.l", "Lsystem: 1\n"}, {"bark.png", std::string("\x89PNG\0\r", 6)}};
-  const auto revision = models_.save({.name = "my tree", .files = files, .revision = {}});
+  const auto revision = models_.save({.name = "my tree", .files = files, .remove = {}, .revision = {}});
   ASSERT_TRUE(revision) << revision.error().message;
   EXPECT_EQ(models_.names(), std::vector<std::string>{"my tree"});
   EXPECT_EQ(models_.read("my tree")->files, files);
@@ -46,17 +46,41 @@ TEST_F(SavedModelsTest, AModelComesBackAsItWasSaved) {
 }
 
 TEST_F(SavedModelsTest, ASaveKnowsTheStateThatItReplaces) {
-  const std::string first = *models_.save({.name = "a", .files = {{"a.l", "one"}, {"b.v", "view"}}, .revision = {}});
+  const std::string first =
+      *models_.save({.name = "a", .files = {{"a.l", "one"}, {"b.v", "view"}}, .remove = {}, .revision = {}});
   EXPECT_EQ(codeOf("a", {{"a.l", "two"}}), ErrorCode::ModelChanged);
-  const auto second = models_.save({.name = "a", .files = {{"a.l", "two"}}, .revision = first});
+  const auto second = models_.save({.name = "a", .files = {{"a.l", "two"}}, .remove = {}, .revision = first});
   ASSERT_TRUE(second);
   // a file that the save does not name stays
   EXPECT_EQ(models_.read("a")->files, (Files{{"a.l", "two"}, {"b.v", "view"}}));
   EXPECT_EQ(codeOf("a", {{"a.l", "three"}}, first), ErrorCode::ModelChanged);
   write(folder_ / "models" / "a" / "a.l", "by another program");
-  const auto refused = models_.save({.name = "a", .files = {{"a.l", "three"}}, .revision = *second});
+  const auto refused = models_.save({.name = "a", .files = {{"a.l", "three"}}, .remove = {}, .revision = *second});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().data, R"({"revision":")" + models_.read("a")->revision + "\"}");
+}
+
+TEST_F(SavedModelsTest, ASaveTakesAwayTheFilesThatItNames) {
+  const std::string revision =
+      *models_.save({.name = "a", .files = {{"a.l", "one"}, {"a.json", "{}"}}, .remove = {}, .revision = {}});
+  write(folder_ / "models" / "keep.txt", "outside");
+  EXPECT_EQ(codeOf("a", {{"a.l", "two"}}), ErrorCode::ModelChanged);
+  const auto saved = models_.save({.name = "a",
+                                   .files = {{"a.l", "one"}},
+                                   .remove = {"a.json", "a.l", "none", "../keep.txt"},
+                                   .revision = revision});
+  ASSERT_TRUE(saved);
+  EXPECT_EQ(models_.read("a")->files, (Files{{"a.l", "one"}}));
+  EXPECT_EQ(models_.read("a")->revision, *saved);
+  EXPECT_TRUE(fs::exists(folder_ / "models" / "keep.txt"));
+}
+
+TEST_F(SavedModelsTest, NamesThatNoMessageCanCarryAreLeftOut) {
+  ASSERT_TRUE(models_.save({.name = "a", .files = {{"a.l", "x"}}, .remove = {}, .revision = {}}));
+  fs::create_directory(folder_ / "models" / "b\xf8");
+  write(folder_ / "models" / "a" / "\xff.l", "x");
+  EXPECT_EQ(models_.names(), std::vector<std::string>{"a"});
+  EXPECT_EQ(models_.read("a")->files.size(), 1U);
 }
 
 TEST_F(SavedModelsTest, NoNameLeadsOutOfTheFolder) {
@@ -80,7 +104,7 @@ TEST_F(SavedModelsTest, LinksAreNotFollowed) {
   EXPECT_TRUE(models_.names().empty());
   EXPECT_EQ(models_.read("link").error().code, ErrorCode::NotFound);
   EXPECT_EQ(codeOf("link", {{"a.l", "x"}}), ErrorCode::Storage);
-  const std::string revision = *models_.save({.name = "m", .files = {{"a.l", "x"}}, .revision = {}});
+  const std::string revision = *models_.save({.name = "m", .files = {{"a.l", "x"}}, .remove = {}, .revision = {}});
   fs::create_symlink(folder_ / "outside" / "secret.l", folder_ / "models" / "m" / "b.l");
   EXPECT_EQ(models_.read("m")->files, (Files{{"a.l", "x"}}));
   EXPECT_EQ(codeOf("m", {{"b.l", "mine"}}, revision), ErrorCode::Storage);
@@ -89,20 +113,22 @@ TEST_F(SavedModelsTest, LinksAreNotFollowed) {
 
 TEST_F(SavedModelsTest, AllModelsTogetherAreBounded) {
   const std::string text(30'000, ' ');
-  const std::string revision = *models_.save({.name = "a", .files = {{"a.l", text}}, .revision = {}});
-  ASSERT_TRUE(models_.save({.name = "b", .files = {{"b.l", text}}, .revision = {}}));
+  const std::string revision = *models_.save({.name = "a", .files = {{"a.l", text}}, .remove = {}, .revision = {}});
+  ASSERT_TRUE(models_.save({.name = "b", .files = {{"b.l", text}}, .remove = {}, .revision = {}}));
   EXPECT_EQ(codeOf("c", {{"c.l", text}}), ErrorCode::Limit);
   EXPECT_EQ(models_.names(), (std::vector<std::string>{"a", "b"}));
   // many empty models take room too
   SavedModels small((folder_ / "models").string(), 80'000);
-  EXPECT_EQ(small.save({.name = "d", .files = {{"d.l", ""}}, .revision = {}}).error().code, ErrorCode::Limit);
+  EXPECT_EQ(small.save({.name = "d", .files = {{"d.l", ""}}, .remove = {}, .revision = {}}).error().code,
+            ErrorCode::Limit);
 }
 
 TEST_F(SavedModelsTest, AServerWithoutTheFolderKeepsNone) {
   SavedModels none("", 0);
   EXPECT_FALSE(none.isOn());
   EXPECT_TRUE(none.names().empty());
-  EXPECT_EQ(none.save({.name = "a", .files = {{"a.l", "x"}}, .revision = {}}).error().code, ErrorCode::Storage);
+  EXPECT_EQ(none.save({.name = "a", .files = {{"a.l", "x"}}, .remove = {}, .revision = {}}).error().code,
+            ErrorCode::Storage);
   EXPECT_EQ(none.read("a").error().code, ErrorCode::NotFound);
 }
 

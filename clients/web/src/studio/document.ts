@@ -10,7 +10,7 @@ export interface Document {
   /** The gallery entry it came from, as long as nothing is changed: it may bring more than files. */
   gallery: string | null;
   /** The model of the server's disk that it is saved as. */
-  saved?: { name: string; revision: string } | null;
+  saved?: { name: string; revision: string; files: string[] } | null;
 }
 
 /** A `#define NAME NUMBER` of a file. */
@@ -48,14 +48,13 @@ export function processesWritten(text: string): unknown[] | null {
   return trimmed === "" ? null : /^[[{]/.test(trimmed) ? [JSON.parse(trimmed)].flat() : [{ type: trimmed }];
 }
 
-/** The document with other processes. Its file has them too, unless a published file says them. */
+/** The document with other processes. Its file has them too, or goes with the last of them, unless a published file says them. */
 export function withProcesses(document: Document, environment: unknown[] | null): Document {
   const file = environmentFileOf(document);
   const files = { ...document.files };
-  if (environment && !(publishedFileOf(document) in files)) {
-    files[file] = `${JSON.stringify(environment.length === 1 ? environment[0] : environment, null, 2)}\n`;
-  } else {
+  if (!(publishedFileOf(document) in files)) {
     delete files[file];
+    Object.assign(files, environment && { [file]: `${JSON.stringify(environment.length === 1 ? environment[0] : environment, null, 2)}\n` });
   }
   return { ...document, environment, files, gallery: null };
 }

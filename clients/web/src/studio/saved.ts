@@ -13,7 +13,7 @@ export async function listSaved(studio: Studio): Promise<void> {
 
 export async function openSaved(studio: Studio, name: string): Promise<void> {
   const { main, files, binaryFiles, revision } = await studio.client.call("model.read", { saved: name });
-  const document: Document = { title: name, main, files, binary: binaryFiles, environment: null, gallery: null, saved: { name, revision: revision! } };
+  const document: Document = { title: name, main, files, binary: binaryFiles, environment: null, gallery: null, saved: { name, revision: revision!, files: Object.keys(files) } };
   await studio.openDocument({ ...document, environment: processesOf(files[environmentFileOf(document)] ?? "") });
 }
 
@@ -26,22 +26,22 @@ export const nameFor = ({ saved, title }: Document): string => saved?.name ?? ti
  */
 export async function saveOnServer(studio: Studio, name: string, isOver = false): Promise<boolean> {
   const { files, binary, saved } = studio.document;
-  const params = { name, files, binaryFiles: binary };
-  const known = saved?.name === name ? { revision: saved.revision } : {};
+  const params = { name, files, binaryFiles: binary, remove: [] as string[] };
+  const known = saved?.name === name ? { revision: saved.revision, remove: saved.files.filter((file) => !(file in files)) } : {};
   try {
     const { revision } = await studio.client.call("model.save", { ...params, ...known }).catch((error) => {
       const present = changedRevision(error);
       if (!isOver || !present) {
         throw error;
       }
-      return studio.client.call("model.save", { ...params, revision: present });
+      return studio.client.call("model.save", { ...params, ...known, revision: present });
     });
     // what was written in the meantime is still to be saved
     const isSame = studio.document.files === files && studio.document.binary === binary;
-    studio.document = { ...studio.document, title: name, saved: { name, revision } };
+    studio.document = { ...studio.document, title: name, saved: { name, revision, files: Object.keys(files) } };
     studio.isChanged = !isSame;
     studio.say(`Saved on the server as “${name}”.`);
-    void listSaved(studio);
+    studio.saved = [...new Set([...(studio.saved ?? []), name])].sort();
     return true;
   } catch (error) {
     if (changedRevision(error) === null) {
