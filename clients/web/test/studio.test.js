@@ -18,6 +18,9 @@ test("a gallery model grows, with few draw calls and 32 bytes a segment", async 
   assert.equal(figures.segmentBytes, 32);
   assert.ok(figures.segments > 100, `${figures.segments} segments`);
   assert.ok(figures.calls <= 20, `${figures.calls} draw calls`);
+  // seen from where its view file says: from 1,0.5,3 toward 0,2,0
+  const direction = await page.evaluate(() => studio.view.camera.position.clone().sub(studio.view.controls.target).normalize().toArray());
+  assert.deepEqual(direction.map((value) => value.toFixed(3)), [1, -1.5, 3].map((value) => (value / 3.5).toFixed(3)));
   await keep(page, "studio-tree");
 
   await page.click("#open-gallery");
@@ -212,6 +215,31 @@ test("the growth is saved as a film, and a photograph stands behind the plant at
   await page.mouse.move(grip.x - 35, grip.y + 5, { steps: 4 });
   await page.mouse.up();
   await page.waitForFunction((from) => Math.abs(document.querySelector("img.photograph").getBoundingClientRect().left - (from - 40)) < 1.5, begin);
+  // seen through the plant
+  await page.fill("#plant-strength", "0.5");
+  await page.waitForFunction(() => document.querySelector("#plant canvas").style.opacity === "0.5");
+  // ruler and protractor: two legs of the same length; then the first one lies on something that is 3 long
+  await page.locator("#plant-strength").blur();
+  await page.keyboard.press("m");
+  const measured = async () => (await page.textContent("#measured")).split(/[° ·]+/).map(Number);
+  const [angle, leg, otherLeg] = await measured();
+  const points = await page.evaluate(() => [...document.querySelectorAll(".measure-point")].map(({ style }) => [parseFloat(style.left), parseFloat(style.top)]));
+  const across = points[1][0] - points[0][0];
+  const down = points[1][1] - points[0][1];
+  assert.ok(Math.abs(angle - (2 * Math.atan2(across, down) * 180) / Math.PI) < 0.06, String(angle));
+  assert.equal(leg, otherLeg);
+  const sized = Number(await page.inputValue("#photograph-height"));
+  await page.fill("#known-length", "3");
+  await page.locator("#known-length").blur();
+  await page.waitForFunction(() => document.getElementById("measured").textContent.split(/[° ·]+/)[1] === "3");
+  assert.deepEqual((await measured())[0], angle);
+  const ratio = Number(await page.inputValue("#photograph-height")) / sized;
+  assert.ok(Math.abs(ratio / (3 / leg) - 1) < 0.01, `${ratio} of ${3 / leg}`);
+  await page.focus(".measure-point >> nth=2");
+  await page.keyboard.press("Shift+ArrowRight");
+  await page.waitForFunction((before) => parseFloat(document.getElementById("measured").textContent) > before, angle);
+  await page.uncheck("#measure");
+  await page.fill("#photograph-height", String(sized));
   // it follows the camera
   await page.mouse.move(400, 200);
   await page.evaluate(() => { studio.view.camera.position.sub(studio.view.controls.target).multiplyScalar(2).add(studio.view.controls.target); studio.view.controls.update(); });

@@ -181,6 +181,7 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
     g: () => setOpen("gallery"),
     b: () => (studio.beside.growth ? studio.beside.close() : studio.beside.fork()),
     v: () => setOpen("variations"),
+    m: () => document.getElementById("measure")?.click(),
     s: () => setOpen("export"),
     l: () => setOpen("share"),
     r: () => studio.setSeed(Math.floor(Math.random() * 1e6)),

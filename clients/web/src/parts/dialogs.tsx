@@ -261,6 +261,7 @@ export const KEYS: Array<[string, string]> = [
   ["G", "gallery"],
   ["B", "a second plant beside, from this step; without it"],
   ["V", "table of variations"],
+  ["M", "ruler and protractor"],
   ["S", "save"],
   ["Ctrl S", "save on the server"],
   ["L", "link to this model"],

@@ -2,6 +2,8 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
 import { IconButton } from "./icons.js";
+import { Measured, Protractor, pointsIn } from "./measure.js";
+import type { Point } from "./measure.js";
 
 export function Photograph({ studio }: { studio: Studio }) {
   const image = useRef<HTMLImageElement>(null);
@@ -9,6 +11,8 @@ export function Photograph({ studio }: { studio: Studio }) {
   const [height, setHeight] = useState(1);
   const [strength, setStrength] = useState(1);
   const [way, setWay] = useState([0, 0]); // of its foot from the plant's, in world units
+  const [plantStrength, setPlantStrength] = useState(1);
+  const [points, setPoints] = useState<Point[] | null>(null); // of ruler and protractor
   const view = studio.view;
   const choose = (file: File | undefined) => {
     if (file && view) {
@@ -50,10 +54,31 @@ export function Photograph({ studio }: { studio: Studio }) {
       setWay(([x, y]) => [x + step[0] * 0.01 * height, y + step[1] * 0.01 * height]);
     }
   };
+  useEffect(() => {
+    if (view) {
+      view.renderer.domElement.style.opacity = String(url ? plantStrength : 1);
+    }
+  }, [view, url, plantStrength]);
+  const putPoint = (which: number, place: Point) => setPoints((now) => now && now.map((point, i) => (i === which ? place : point)));
+  // the first leg gets a length: the photograph grows with it, about the vertex
+  const scaled = ([end, vertex]: Point[], length: number) => {
+    const { x, y, unitsPerPixel } = view!.foot();
+    const ratio = length / (Math.hypot(end[0] - vertex[0], end[1] - vertex[1]) * unitsPerPixel);
+    if (Number.isFinite(ratio)) {
+      const from = ([px, py]: Point): Point => [vertex[0] + (px - vertex[0]) * ratio, vertex[1] + (py - vertex[1]) * ratio];
+      const foot = from([x + way[0] / unitsPerPixel, y - way[1] / unitsPerPixel]);
+      setHeight(Number((height * ratio).toPrecision(6)));
+      setWay([(foot[0] - x) * unitsPerPixel, (y - foot[1]) * unitsPerPixel]);
+      putPoint(0, from(end));
+    }
+  };
   return (
     <>
       {url && <img ref={image} class="photograph" src={url} alt="Photograph behind the plant" style={{ opacity: strength }} />}
+      {view && points && <Protractor view={view} points={points} onPoint={putPoint} />}
       <div class="photograph-tools">
+        {view && <label class="chip" title="A ruler and a protractor (M)"><input id="measure" type="checkbox" checked={points !== null} onChange={(event) => setPoints(event.currentTarget.checked ? pointsIn(view) : null)} />measure</label>}
+        {view && points && <Measured view={view} points={points} onLength={url ? (length) => scaled(points, length) : undefined} />}
         {!url && (
           <label class="chip" title="A photograph behind the plant. It stays in this page.">
             photograph …
@@ -64,7 +89,8 @@ export function Photograph({ studio }: { studio: Studio }) {
           <>
             <label class="chip">photograph is <input id="photograph-height" type="number" min={0} step="any" value={height} onInput={(event) => event.currentTarget.valueAsNumber > 0 && setHeight(event.currentTarget.valueAsNumber)} /> high</label>
             <button type="button" id="photograph-move" class="chip" title="Drag, or press arrow keys, to move the photograph" onPointerDown={(event) => event.currentTarget.setPointerCapture(event.pointerId)} onPointerMove={moved} onKeyDown={shifted}>move</button>
-            <label class="chip">strength <input type="range" min={0.1} max={1} step={0.05} value={strength} onInput={(event) => setStrength(event.currentTarget.valueAsNumber)} /></label>
+            <label class="chip" title="How strong the photograph is">photograph <input type="range" min={0.1} max={1} step={0.05} value={strength} onInput={(event) => setStrength(event.currentTarget.valueAsNumber)} /></label>
+            <label class="chip" title="How strong the plant is: when it is weak the photograph is seen through it">plant <input id="plant-strength" type="range" min={0.1} max={1} step={0.05} value={plantStrength} onInput={(event) => setPlantStrength(event.currentTarget.valueAsNumber)} /></label>
             <IconButton icon="close" label="Remove the photograph" onClick={() => { URL.revokeObjectURL(url); setUrl(""); setWay([0, 0]); }} />
           </>
         )}

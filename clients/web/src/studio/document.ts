@@ -32,6 +32,20 @@ export const environmentFileOf = (document: Document): string => besides(documen
 /** The same of the published environments. */
 export const publishedFileOf = (document: Document): string => besides(document, ".e");
 
+/** The direction from the plant to the viewer that the view file says; null: it says none, or the front. */
+export function directionToViewer(document: Document): number[] | null {
+  const text = document.files[besides(document, ".v")] ?? "";
+  const triple = (command: string) => {
+    const found = [...text.matchAll(new RegExp(`^\\s*${command}:\\s*([^/\\r\\n]*)`, "gm"))].at(-1)?.[1];
+    const numbers = found?.split(/[\s,]+/).filter(Boolean).slice(0, 3).map(Number);
+    return numbers?.length === 3 && numbers.every(Number.isFinite) ? numbers : null;
+  };
+  const from = triple("viewpoint");
+  const to = triple("view reference point") ?? [0, 0, 0];
+  const direction = from?.map((value, i) => value - to[i]);
+  return direction?.some((value, i) => i < 2 ? value !== 0 : value < 0) ? direction : null;
+}
+
 /** The processes that a configuration names; null: none, or no configuration. */
 export function processesOf(text: string): unknown[] | null {
   try {

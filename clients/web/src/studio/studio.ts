@@ -5,7 +5,7 @@ import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { ModelPalette } from "../view/colours.js";
 import type { Picked } from "../view/measures.js";
-import { definesOfDocument, fileOf, modelOf, newDocument, numberText, withProcesses, withText } from "./document.js";
+import { definesOfDocument, directionToViewer, fileOf, modelOf, newDocument, numberText, withProcesses, withText } from "./document.js";
 import type { Define, Document } from "./document.js";
 import { Beside } from "./beside.js";
 import type { Growth } from "./beside.js";
@@ -421,7 +421,7 @@ export class Studio {
     this.view?.setPalette(this.palette);
     this.view?.highlight(null);
     if (isAnother) {
-      this.view?.forgetFit();
+      this.view?.forgetFit(directionToViewer(this.document));
     }
     const statistics = await simulation.stream("statistics", { credits: undefined });
     const columns = await simulation.stream("columns", { credits: 1 });

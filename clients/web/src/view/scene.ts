@@ -72,6 +72,7 @@ export class View {
   private table: TurtleTable | null = null;
   private bounds = new Box3();
   private fitted: Box3 | null = null;
+  private first: Vector3 | null = null; // the direction to the viewer at the beginning
   private picked: { plant: number; module: number } | null = null;
   private hasBackground = true;
   private isDrawing = false;
@@ -363,10 +364,16 @@ export class View {
     const radius = Math.max(size.length() / 2, 1e-6);
     // the camera may turn about the vertical, so the diagonal is the width of the box
     const width = Math.hypot(size.x, size.z);
-    const distance = 1.15 * Math.max(size.y / 2 / slope, width / 2 / slope / this.camera.aspect) + width / 2;
     const isFlat = size.z < 0.02 * radius;
-    const direction = this.fitted ? this.camera.position.clone().sub(this.controls.target) : new Vector3(0, isFlat ? 0 : 0.2, 1);
-    this.camera.position.copy(centre).add(direction.normalize().multiplyScalar(distance));
+    const front = this.first ?? new Vector3(0, isFlat ? 0 : 0.2, 1);
+    const direction = (this.fitted ? this.camera.position.clone().sub(this.controls.target) : front.clone()).normalize();
+    // from above, the width of the box is a part of the height of the picture, and its height a part of the depth
+    const rise = Math.abs(direction.y);
+    const level = Math.sqrt(Math.max(0, 1 - rise * rise));
+    const height = size.y * level + width * rise;
+    const depth = size.y * rise + width * level;
+    const distance = 1.15 * Math.max(height / 2 / slope, width / 2 / slope / this.camera.aspect) + depth / 2;
+    this.camera.position.copy(centre).add(direction.multiplyScalar(distance));
     this.camera.near = distance / 200;
     this.camera.far = distance + 40 * radius;
     this.camera.updateProjectionMatrix();
@@ -391,8 +398,9 @@ export class View {
     }
   }
 
-  /** The next plant is looked at from the front, as a whole. */
-  forgetFit(): void {
+  /** The next plant is looked at as a whole, from a direction (to the viewer); without one, from the front. */
+  forgetFit(direction: number[] | null = null): void {
+    this.first = direction && new Vector3(...direction);
     this.fitted = null;
     this.isTurned = false;
   }

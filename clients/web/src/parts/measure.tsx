@@ -1,0 +1,66 @@
+// A ruler and a protractor over the view: three points that a person drags. They lie on the screen, at the depth of the plant's foot.
+import type { View } from "../view/scene.js";
+
+export type Point = [number, number]; // pixels of the view
+
+const WAYS: Record<string, Point> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const NAMES = ["End of the first leg", "Vertex of the angle", "End of the second leg"];
+
+const apart = ([x, y]: Point, [x1, y1]: Point): number => Math.hypot(x1 - x, y1 - y);
+const shortNumber = (value: number): string => String(Number(value.toPrecision(3)));
+
+/** Where the three points lie at the beginning. */
+export const pointsIn = ({ element: { clientWidth, clientHeight } }: View): Point[] =>
+  [[0.42, 0.3], [0.5, 0.6], [0.58, 0.3]].map(([x, y]) => [x * clientWidth, y * clientHeight]);
+
+/** The angle at the middle one of three points, in degrees from 0 to 180. */
+export function angleAt([a, b, c]: Point[]): number {
+  const [x, y, x1, y1] = [a[0] - b[0], a[1] - b[1], c[0] - b[0], c[1] - b[1]];
+  return (Math.atan2(Math.abs(x * y1 - y * x1), x * x1 + y * y1) * 180) / Math.PI;
+}
+
+/** The points and the legs between them. `onPoint`: a point is put to another place. */
+export function Protractor({ view, points, onPoint }: { view: View; points: Point[]; onPoint: (which: number, place: Point) => void }) {
+  const { clientWidth: width, clientHeight: height } = view.element;
+  const put = (which: number, [x, y]: Point) => onPoint(which, [Math.min(Math.max(x, 0), width), Math.min(Math.max(y, 0), height)]);
+  const dragged = (which: number, event: PointerEvent) => {
+    if ((event.currentTarget as Element).hasPointerCapture(event.pointerId)) {
+      const box = view.element.getBoundingClientRect();
+      put(which, [event.clientX - box.left, event.clientY - box.top]);
+    }
+  };
+  const pressed = (which: number, event: KeyboardEvent) => {
+    const way = WAYS[event.key];
+    if (way) {
+      event.preventDefault();
+      event.stopPropagation();
+      const pixels = event.shiftKey ? 10 : 1;
+      put(which, [points[which][0] + way[0] * pixels, points[which][1] + way[1] * pixels]);
+    }
+  };
+  const legs = points.map((point) => point.join(",")).join(" ");
+  return (
+    <>
+      <svg class="measure" width={width} height={height} aria-hidden="true"><polyline class="halo" points={legs} /><polyline points={legs} /></svg>
+      {points.map(([x, y], i) => (
+        <button key={i} type="button" class="measure-point" style={{ left: `${x}px`, top: `${y}px` }} aria-label={`${NAMES[i]}: drag it, or press arrow keys`}
+          onPointerDown={(event) => event.currentTarget.setPointerCapture(event.pointerId)} onPointerMove={(event) => dragged(i, event)} onKeyDown={(event) => pressed(i, event)} />
+      ))}
+    </>
+  );
+}
+
+/** What the points measure. `onLength`: the first leg lies on something in the photograph whose length a person knows. */
+export function Measured({ view, points, onLength }: { view: View; points: Point[]; onLength?: (length: number) => void }) {
+  const { unitsPerPixel } = view.foot();
+  const [first, second] = [apart(points[0], points[1]), apart(points[1], points[2])].map((pixels) => shortNumber(pixels * unitsPerPixel));
+  const known = (length: number) => length > 0 && onLength?.(length);
+  return (
+    <>
+      <output id="measured" class="chip" title="The angle, and the lengths of the first and the second leg in units of the model">{angleAt(points).toFixed(1)}° · {first} · {second}</output>
+      {onLength && (
+        <label class="chip" title="Lay the first leg on something in the photograph whose length you know: the photograph takes the size in which it is so long">first leg is <input id="known-length" type="number" min={0} step="any" value={first} onChange={(event) => known(event.currentTarget.valueAsNumber)} /> long</label>
+      )}
+    </>
+  );
+}
