@@ -7,9 +7,13 @@
 
 #include "tests/server/raw_peer.h"
 #include "tests/server/server_fixture.h"
+#include "tests/support/sanitized.h"
 
 namespace espalier::server {
 namespace {
+
+/// Long enough to decode the big models of these tests, and too short to compile them.
+constexpr std::uint32_t kSecondsToDecode = kIsSanitized ? 5 : 1;
 
 /// Doubles its string in each step; a step n leaves 2^n modules of ten bytes.
 constexpr std::string_view kDoubling =
@@ -318,7 +322,7 @@ TEST(AccountsInUse, ALoadedModelCountsAsLongAsItIsThere) {
 
 TEST(AccountsInUse, CompilingEndsAfterCallSecondsAndWhenItIsCancelled) {
   ServerOptions options;
-  options.limits.callSeconds = 1;
+  options.limits.callSeconds = kSecondsToDecode;
   const RunningServer server(options);
   const auto client = connectTo(server);
   protocol::JsonWriter params;
@@ -395,7 +399,7 @@ TEST(AccountsInUse, WhatAnEditorKeepsCountsAsLongAsItsConnection) {
 
 TEST(AccountsInUse, AMessageOfAnEditorThatWaitsCanBeCancelledAndKeepsNoWorker) {
   ServerOptions options;
-  options.limits.callSeconds = 1;
+  options.limits.callSeconds = kSecondsToDecode;
   const RunningServer server(options);
   RawPeer peer(server);
   peer.ask(kHello);

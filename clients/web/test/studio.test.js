@@ -11,6 +11,18 @@ import { PATIENCE, derived, folder, keep, lineAt, open, problems, program, runni
 const SMALL = (address = running.address) => `${address}/#gallery=branch-tiers`;
 const here = dirname(fileURLToPath(import.meta.url));
 
+test("a page without a model in its address shows a tree whose buds ask for light", async () => {
+  const page = await open(`${running.address}/`);
+  const { title, environment, queries } = await page.evaluate(() => ({ title: studio.document.title, environment: studio.document.environment, queries: studio.statistics.at(-1).queries }));
+  assert.equal(title, "light-tree");
+  assert.equal(environment[0].type, "shadow");
+  assert.ok(queries > 100, `${queries} queries`);
+  assert.equal(await page.textContent(".problems p, .problems li"), "none");
+  assert.equal(await page.evaluate(() => studio.isChanged), false);
+  await keep(page, "studio-first");
+  await page.close();
+});
+
 test("a gallery model grows, with few draw calls and 32 bytes a segment", async () => {
   const page = await open(`${running.address}/#gallery=parametric-tree`);
   assert.equal(await page.title(), "parametric-tree – Espalier");
@@ -18,6 +30,13 @@ test("a gallery model grows, with few draw calls and 32 bytes a segment", async 
   assert.equal(figures.segmentBytes, 32);
   assert.ok(figures.segments > 100, `${figures.segments} segments`);
   assert.ok(figures.calls <= 20, `${figures.calls} draw calls`);
+  // the scale is that of the last step, and the plant fills the view
+  const { bar, height } = await page.evaluate(() => {
+    const { unitsPerPixel } = studio.view.foot();
+    return { bar: Number(document.querySelector(".scale").textContent) / (document.querySelector(".scale span").offsetWidth * unitsPerPixel), height: studio.view.plantHeight() / unitsPerPixel / document.getElementById("plant").offsetHeight };
+  });
+  assert.ok(bar > 0.7 && bar < 1.4, `${bar}`);
+  assert.ok(height > 0.4 && height < 1, `${height}`);
   // seen from where its view file says: from 1,0.5,3 toward 0,2,0
   const direction = await page.evaluate(() => studio.view.camera.position.clone().sub(studio.view.controls.target).normalize().toArray());
   assert.deepEqual(direction.map((value) => value.toFixed(3)), [1, -1.5, 3].map((value) => (value / 3.5).toFixed(3)));

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/engine/simulation/simulation_fixture.h"
+#include "tests/support/sanitized.h"
 
 namespace espalier::simulation {
 namespace {
@@ -25,11 +26,6 @@ std::uint64_t availableBytes() {
 }
 
 // run by `./dev test --all` alone: its name begins with Long
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;  // needs several times the memory and minutes
-#else
-constexpr bool kIsSanitized = false;
-#endif
 
 TEST(LongString, HasMoreThanTwoToThe32ModulesAndItsLastQueryIsAnswered) {
   constexpr std::uint64_t kNeededBytes = 13'000'000'000;

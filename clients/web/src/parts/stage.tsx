@@ -139,6 +139,7 @@ export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }
         view.apply({ ...view.settings, hasShadows: false });
         studio.changed();
       };
+      view.onFitted = () => studio.changed();
       let down = [0, 0];
       const canvas = view.renderer.domElement;
       dragSolids(studio, view);

@@ -72,7 +72,7 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
       <div class="row">
         <AxisChoice studio={studio} label="across" axis={across} onChange={setAcross} />
         <AxisChoice studio={studio} label="down" axis={down} onChange={setDown} />
-        <span class="quiet">{Object.keys(pictures).length} of {SIDE * SIDE}. A click takes a plant over.</span>
+        <span class="quiet">{Object.keys(pictures).length} of {SIDE * SIDE}, at step {studio.step}. A click takes a plant over.</span>
         {grown.length === variations.length && new Set(grown).size === 1 && <span class="error">All are the same: {across.name === "" && down.name === "" ? "the model draws no random numbers. Choose a number of the model on a side." : "the plant does not depend on these numbers."}</span>}
       </div>
       {problem && <p class="error">{problem}</p>}

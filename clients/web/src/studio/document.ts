@@ -1,5 +1,7 @@
 // The files of a model, and the numbers in them that sliders move.
 
+import type { Client } from "espalier";
+
 /** A model that is being edited. Contents are texts; bytes of other files stay in base64. */
 export interface Document {
   title: string;
@@ -146,6 +148,17 @@ Axiom: A(1,0.14)
 A(s,w) : w > 0.004 --> !(w)F(s)[+(ANGLE)/(95)A(s*RATIO,w*THINNER)][-(ANGLE)/(95)A(s*RATIO,w*THINNER)]
 endlsystem
 `;
+
+/** A model of the server's gallery. */
+export async function galleryDocument(client: Client, name: string): Promise<Document> {
+  const { main, files, binaryFiles, environment } = await client.call("model.read", { gallery: name });
+  return { title: name, main, files, binary: binaryFiles, environment: environment ?? null, gallery: name };
+}
+
+/** What a page without a model in its address shows: a tree of the gallery whose buds ask for light, and shadow for it. */
+export async function firstDocument(client: Client, gallery: string[]): Promise<Document> {
+  return gallery.includes("light-tree") ? withProcesses(await galleryDocument(client, "light-tree"), [{ type: "shadow", shadowWeight: 0.1 }]) : newDocument();
+}
 
 export function newDocument(): Document {
   return {

@@ -5,7 +5,7 @@ import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { ModelPalette } from "../view/colours.js";
 import type { Picked } from "../view/measures.js";
-import { definesOfDocument, directionToViewer, fileOf, modelOf, newDocument, numberText, withProcesses, withText } from "./document.js";
+import { definesOfDocument, directionToViewer, fileOf, firstDocument, galleryDocument, modelOf, newDocument, numberText, withProcesses, withText } from "./document.js";
 import type { Define, Document } from "./document.js";
 import { Beside } from "./beside.js";
 import type { Growth } from "./beside.js";
@@ -151,8 +151,8 @@ export class Studio {
       await this.openDocument(shared.document, shared.step);
     } else {
       const entries = this.gallery.map(({ name }) => name);
-      const first = named.get("gallery") ?? (entries.includes("light-tree") ? "light-tree" : null);
-      await (first ? this.openGallery(first, named.get("step") ? Number(named.get("step")) : undefined) : this.openDocument(newDocument()));
+      const first = named.get("gallery");
+      await (first ? this.openGallery(first, named.get("step") ? Number(named.get("step")) : undefined) : this.openDocument(await firstDocument(this.client, entries)));
     }
   }
 
@@ -234,11 +234,7 @@ export class Studio {
   // ---- the document
 
   async openGallery(name: string, step?: number): Promise<void> {
-    const read = await this.client.call("model.read", { gallery: name });
-    await this.openDocument(
-      { title: name, main: read.main, files: read.files, binary: read.binaryFiles, environment: read.environment ?? null, gallery: name },
-      step,
-    );
+    await this.openDocument(await galleryDocument(this.client, name), step);
   }
 
   async openDocument(document: Document, step?: number): Promise<void> {

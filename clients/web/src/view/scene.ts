@@ -55,6 +55,8 @@ export class View {
   private readonly clock: GpuClock;
   /** Called after the camera moved or the plant changed. */
   onDrawn: () => void = () => {};
+  /** Called after the camera was placed anew: the scale is another one. */
+  onFitted: () => void = () => {};
 
   private readonly scene = new Scene();
   private readonly sun = new DirectionalLight(0xfff4e2, 2.4);
@@ -362,8 +364,8 @@ export class View {
     const size = box.getSize(new Vector3());
     const slope = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
     const radius = Math.max(size.length() / 2, 1e-6);
-    // the camera may turn about the vertical, so the diagonal is the width of the box
-    const width = Math.hypot(size.x, size.z);
+    // the camera may turn about the vertical; corners of the box are seldom filled
+    const width = 1.1 * Math.max(size.x, size.z);
     const isFlat = size.z < 0.02 * radius;
     const front = this.first ?? new Vector3(0, isFlat ? 0 : 0.2, 1);
     const direction = (this.fitted ? this.camera.position.clone().sub(this.controls.target) : front.clone()).normalize();
@@ -381,6 +383,7 @@ export class View {
     this.controls.update();
     this.partner?.lookAs(this);
     this.draw();
+    this.onFitted();
   }
 
   /** Moves back when the plant has grown beyond what was fitted. */
