@@ -105,7 +105,9 @@ class Terrain(unittest.TestCase):
     def test_a_system_known_by_its_number_gives_the_unit(self) -> None:
         # UTM 33 N has metres; New York Long Island, alone or with heights of its own, has US survey feet
         self.assertEqual(self.heights(self.write("utm.tif", geotiff(hills(), ((1024, 1), (1025, 1), (3072, 32633)))))[1]["unit"], "m")
-        for keys in (((1024, 1), (3072, 2263)), ((1024, 1), (3072, 2263), (4096, 6360))):
+        # heights in metres above NAVD88; then in US survey feet
+        self.assertEqual(self.heights(self.write("navd88.tif", geotiff(hills(), ((1024, 1), (3072, 32633), (4096, 5703)))))[1]["unit"], "m")
+        for keys in (((1024, 1), (3072, 2263)), ((1024, 1), (3072, 2263), (4096, 6360)), ((1024, 1), (3072, 32633), (4096, 6360))):
             run = espalier("field", str(self.write("feet.tif", geotiff(hills(), keys))), status=1)
             self.assertIn("has lengths in the unit 9003 of EPSG, which is not the metre", run.stderr)
 

@@ -374,7 +374,7 @@ void ColumnEvaluator::raise(double* target, const ColumnValue& a, const ColumnVa
     for (std::size_t i = 0; i < count; ++i) {
       const auto base = std::bit_cast<std::uint64_t>(a.values[i]);
       const Power& known = powers[placeOfPower(base, exponent)];
-      target[i] = (known.base == base) & (known.exponent == exponent) ? known.value : power(a.values[i], b.constant);
+      target[i] = ((known.base == base) & (known.exponent == exponent)) ? known.value : power(a.values[i], b.constant);
     }
     return;
   }

@@ -1,6 +1,6 @@
 #include "server/remote/terrain/geotiff.h"
 
-#if __has_include(<geotiff/geotiff.h>) && __has_include(<tiffio.h>)
+#if __has_include(<geotiff/geotiff.h>) && __has_include(<proj.h>) && __has_include(<tiffio.h>)
 #define ESPALIER_HAS_GEOTIFF 1
 #include <dlfcn.h>
 #include <geotiff/geo_normalize.h>
@@ -8,6 +8,7 @@
 #include <geotiff/geotiff.h>
 #include <geotiff/geovalues.h>
 #include <geotiff/xtiffio.h>
+#include <proj.h>
 #include <tiffio.h>
 #endif
 
@@ -57,6 +58,11 @@ struct Functions {
   decltype(&::GTIFAllocDefn) makeDefinition = nullptr;
   decltype(&::GTIFGetDefn) define = nullptr;
   decltype(&::GTIFFreeDefn) freeDefinition = nullptr;
+  // of PROJ, which libgeotiff stands on
+  decltype(&::proj_create_from_database) makeSystem = nullptr;
+  decltype(&::proj_crs_get_coordinate_system) axesOf = nullptr;
+  decltype(&::proj_cs_get_axis_info) axisOf = nullptr;
+  decltype(&::proj_destroy) freeSystem = nullptr;
 };
 
 /// Loads the libraries; nothing when they are not installed. They stay loaded.
@@ -92,6 +98,10 @@ std::optional<Functions> load() {
   find(functions.makeDefinition, "GTIFAllocDefn");
   find(functions.define, "GTIFGetDefn");
   find(functions.freeDefinition, "GTIFFreeDefn");
+  find(functions.makeSystem, "proj_create_from_database");
+  find(functions.axesOf, "proj_crs_get_coordinate_system");
+  find(functions.axisOf, "proj_cs_get_axis_info");
+  find(functions.freeSystem, "proj_destroy");
   if (!isComplete) {
     return std::nullopt;
   }
@@ -213,7 +223,8 @@ class GeoTiff {
     const auto model = keyOf(GTModelTypeGeoKey);
     const auto raster = keyOf(GTRasterTypeGeoKey);
     auto across = keyOf(ProjLinearUnitsGeoKey);
-    const auto upward = keyOf(VerticalUnitsGeoKey);
+    auto upward = keyOf(VerticalUnitsGeoKey);
+    const auto heights = keyOf(VerticalCSTypeGeoKey);
     const auto system = keyOf(ProjectedCSTypeGeoKey);
     if (!across && system && *system != KvUserDefined) {
       // a system known by its number alone: its unit stands in the library's tables
@@ -223,6 +234,9 @@ class GeoTiff {
         across = static_cast<unsigned short>(definition->UOMLength);
       }
       call_.freeDefinition(definition);
+    }
+    if (!upward && heights) {
+      upward = unitOfHeights(*heights);
     }
     call_.freeKeys(keys);
     isPoint_ = raster == RasterPixelIsPoint;
@@ -237,6 +251,25 @@ class GeoTiff {
     }
     terrain_.lengthUnit = across ? "m" : "";
     return std::nullopt;
+  }
+
+  /// The unit of a vertical system that is known by its number alone; nothing when PROJ does not know the system.
+  std::optional<unsigned short> unitOfHeights(unsigned short number) const {
+    std::optional<unsigned short> unit;
+    PJ* const system = call_.makeSystem(nullptr, "EPSG", std::to_string(number).c_str(), PJ_CATEGORY_CRS, 0, nullptr);
+    PJ* const axes = system == nullptr ? nullptr : call_.axesOf(nullptr, system);
+    const char* code = nullptr;
+    if (axes != nullptr &&
+        call_.axisOf(nullptr, axes, 0, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, &code) == 1 &&
+        code != nullptr) {
+      unsigned short known = 0;
+      if (std::from_chars(code, code + std::strlen(code), known).ec == std::errc()) {
+        unit = known;
+      }
+    }
+    call_.freeSystem(axes);
+    call_.freeSystem(system);
+    return unit;
   }
 
   Problem readPlace() {
