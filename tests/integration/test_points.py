@@ -217,7 +217,12 @@ class Points(unittest.TestCase):
         points = point_files.tree(8)
         file = self.write("a.las", point_files.las(points, records=[point_files.geo_keys((1024, 1), (3076, 9001))]))
         self.assertEqual(self.table(file)["unit"], ["m"])
+        # UTM 33 N with heights above NAVD88, both known by their numbers alone
+        named = self.write("named.las", point_files.las(points, records=[point_files.geo_keys((1024, 1), (3072, 32633), (4096, 5703))]))
+        self.assertEqual(self.table(named)["unit"], ["m"])
         for records, says in (([point_files.geo_keys((1024, 1), (3076, 9003))], "has lengths in the unit 9003 of EPSG, which is not the metre"),
+                              ([point_files.geo_keys((1024, 1), (3072, 2263))], "has lengths in the unit 9003 of EPSG, which is not the metre"),
+                              ([point_files.geo_keys((1024, 1), (3072, 32633), (4096, 6360))], "has lengths in the unit 9003 of EPSG"),
                               ([point_files.geo_keys((1024, 2))], "has coordinates in degrees. Convert it to a projection in metres"),
                               ([point_files.record("LASF_Projection", 2112, b'PROJCS["a",UNIT["US survey foot",0.3048]]')], "has lengths in feet"),
                               ([point_files.record("LASF_Projection", 2112, b'GEOGCS["WGS 84"]')], "has coordinates in degrees")):

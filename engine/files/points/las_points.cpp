@@ -3,8 +3,10 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <optional>
 
+#include "engine/files/length_unit.h"
 #include "engine/files/points/point_cloud.h"
 
 namespace espalier::files {
@@ -14,6 +16,14 @@ namespace {
 /// Least bytes of a record of each point format.
 constexpr std::array<std::size_t, 11> kRecordBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 constexpr std::uint8_t kFirstLongFormat = 6;  // formats with four bits for the number of returns
+// keys of a GeoTIFF directory, and values of theirs
+constexpr std::uint64_t kModelType = 1024;
+constexpr unsigned kGeographic = 2;
+constexpr std::uint64_t kProjectedSystem = 3072;
+constexpr std::uint64_t kProjectedUnit = 3076;
+constexpr std::uint64_t kVerticalSystem = 4096;
+constexpr std::uint64_t kVerticalUnit = 4099;
+constexpr unsigned kUserDefined = 32767;
 constexpr const char* kAsMetres = ". Convert it to a projection in metres";
 
 /// Reads numbers of a file, little-endian. The caller checks the bounds.
@@ -110,21 +120,33 @@ tl::expected<LasHeader, std::string> readHeader(const LasBytes& file) {
 
 /// Why the lengths are not metres, by the keys of a GeoTIFF directory; `isMetre` is set when they say so.
 std::optional<std::string> problemOfKeys(const LasBytes& file, std::uint64_t at, std::uint64_t bytes, bool& isMetre) {
+  std::map<std::uint64_t, unsigned> values;
   for (std::uint64_t entry = 8; entry + 8 <= bytes; entry += 8) {
-    const std::uint64_t key = file.integer(at + entry, 2);
-    const std::uint64_t value = file.integer(at + entry + 6, 2);
-    if (file.integer(at + entry + 2, 2) != 0) {
-      continue;  // the value is not here
+    // another number here: the value is in another record
+    if (file.integer(at + entry + 2, 2) == 0) {
+      values.emplace(file.integer(at + entry, 2), static_cast<unsigned>(file.integer(at + entry + 6, 2)));
     }
-    if (key == 1024 && value == 2) {
-      return std::string("has coordinates in degrees") + kAsMetres;
-    }
-    // of the projection and of heights
-    if ((key == 3076 || key == 4099) && value != 9001) {
-      return "has lengths in the unit " + std::to_string(value) + " of EPSG, which is not the metre (9001)" + kAsMetres;
-    }
-    isMetre = isMetre || (key == 3076 && value == 9001);
   }
+  const auto valueOf = [&](std::uint64_t key) {
+    const auto found = values.find(key);
+    return found == values.end() ? std::nullopt : std::optional(found->second);
+  };
+  if (valueOf(kModelType) == kGeographic) {
+    return std::string("has coordinates in degrees") + kAsMetres;
+  }
+  // a system known by its number alone: its unit stands in a database
+  const auto unitOf = [&](std::uint64_t unitKey, std::uint64_t systemKey) {
+    const auto unit = valueOf(unitKey);
+    const auto system = valueOf(systemKey);
+    return unit || !system || *system == kUserDefined ? unit : unitOfSystem(*system);
+  };
+  const auto across = unitOf(kProjectedUnit, kProjectedSystem);
+  for (const auto& unit : {across, unitOf(kVerticalUnit, kVerticalSystem)}) {
+    if (unit && *unit != kMetre) {
+      return "has lengths in the unit " + std::to_string(*unit) + " of EPSG, which is not the metre (9001)" + kAsMetres;
+    }
+  }
+  isMetre = isMetre || across.has_value();
   return std::nullopt;
 }
 

@@ -1,14 +1,12 @@
 #include "server/remote/terrain/geotiff.h"
 
-#if __has_include(<geotiff/geotiff.h>) && __has_include(<proj.h>) && __has_include(<tiffio.h>)
+#if __has_include(<geotiff/geotiff.h>) && __has_include(<tiffio.h>)
 #define ESPALIER_HAS_GEOTIFF 1
 #include <dlfcn.h>
-#include <geotiff/geo_normalize.h>
 #include <geotiff/geokeys.h>
 #include <geotiff/geotiff.h>
 #include <geotiff/geovalues.h>
 #include <geotiff/xtiffio.h>
-#include <proj.h>
 #include <tiffio.h>
 #endif
 
@@ -21,6 +19,8 @@
 #include <memory>
 #include <optional>
 #include <utility>
+
+#include "engine/files/length_unit.h"
 
 namespace espalier::server {
 
@@ -55,14 +55,6 @@ struct Functions {
   decltype(&::GTIFNewEx) makeKeys = nullptr;
   decltype(&::GTIFFree) freeKeys = nullptr;
   decltype(&::GTIFKeyGetSHORT) keyOf = nullptr;
-  decltype(&::GTIFAllocDefn) makeDefinition = nullptr;
-  decltype(&::GTIFGetDefn) define = nullptr;
-  decltype(&::GTIFFreeDefn) freeDefinition = nullptr;
-  // of PROJ, which libgeotiff stands on
-  decltype(&::proj_create_from_database) makeSystem = nullptr;
-  decltype(&::proj_crs_get_coordinate_system) axesOf = nullptr;
-  decltype(&::proj_cs_get_axis_info) axisOf = nullptr;
-  decltype(&::proj_destroy) freeSystem = nullptr;
 };
 
 /// Loads the libraries; nothing when they are not installed. They stay loaded.
@@ -95,13 +87,6 @@ std::optional<Functions> load() {
   find(functions.makeKeys, "GTIFNewEx");
   find(functions.freeKeys, "GTIFFree");
   find(functions.keyOf, "GTIFKeyGetSHORT");
-  find(functions.makeDefinition, "GTIFAllocDefn");
-  find(functions.define, "GTIFGetDefn");
-  find(functions.freeDefinition, "GTIFFreeDefn");
-  find(functions.makeSystem, "proj_create_from_database");
-  find(functions.axesOf, "proj_crs_get_coordinate_system");
-  find(functions.axisOf, "proj_cs_get_axis_info");
-  find(functions.freeSystem, "proj_destroy");
   if (!isComplete) {
     return std::nullopt;
   }
@@ -222,54 +207,29 @@ class GeoTiff {
     };
     const auto model = keyOf(GTModelTypeGeoKey);
     const auto raster = keyOf(GTRasterTypeGeoKey);
-    auto across = keyOf(ProjLinearUnitsGeoKey);
-    auto upward = keyOf(VerticalUnitsGeoKey);
-    const auto heights = keyOf(VerticalCSTypeGeoKey);
-    const auto system = keyOf(ProjectedCSTypeGeoKey);
-    if (!across && system && *system != KvUserDefined) {
-      // a system known by its number alone: its unit stands in the library's tables
-      GTIFDefn* const definition = call_.makeDefinition();
-      if (call_.define(keys, definition) == 1 && definition->PCS == static_cast<short>(*system) &&
-          definition->UOMLength > 0 && definition->UOMLength != KvUserDefined) {
-        across = static_cast<unsigned short>(definition->UOMLength);
+    // a system known by its number alone: its unit stands in a database
+    const auto unitOf = [&](geokey_t unitKey, geokey_t systemKey) -> std::optional<unsigned> {
+      if (const auto unit = keyOf(unitKey)) {
+        return *unit;
       }
-      call_.freeDefinition(definition);
-    }
-    if (!upward && heights) {
-      upward = unitOfHeights(*heights);
-    }
+      const auto system = keyOf(systemKey);
+      return system && *system != KvUserDefined ? files::unitOfSystem(*system) : std::nullopt;
+    };
+    const auto across = unitOf(ProjLinearUnitsGeoKey, ProjectedCSTypeGeoKey);
+    const auto upward = unitOf(VerticalUnitsGeoKey, VerticalCSTypeGeoKey);
     call_.freeKeys(keys);
     isPoint_ = raster == RasterPixelIsPoint;
     if (model == ModelTypeGeographic) {
       return std::string("has coordinates in degrees") + kAsMetres;
     }
     for (const auto& unit : {across, upward}) {
-      if (unit && *unit != Linear_Meter) {
+      if (unit && *unit != files::kMetre) {
         return "has lengths in the unit " + std::to_string(*unit) + " of EPSG, which is not the metre (9001)" +
                kAsMetres;
       }
     }
     terrain_.lengthUnit = across ? "m" : "";
     return std::nullopt;
-  }
-
-  /// The unit of a vertical system that is known by its number alone; nothing when PROJ does not know the system.
-  std::optional<unsigned short> unitOfHeights(unsigned short number) const {
-    std::optional<unsigned short> unit;
-    PJ* const system = call_.makeSystem(nullptr, "EPSG", std::to_string(number).c_str(), PJ_CATEGORY_CRS, 0, nullptr);
-    PJ* const axes = system == nullptr ? nullptr : call_.axesOf(nullptr, system);
-    const char* code = nullptr;
-    if (axes != nullptr &&
-        call_.axisOf(nullptr, axes, 0, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, &code) == 1 &&
-        code != nullptr) {
-      unsigned short known = 0;
-      if (std::from_chars(code, code + std::strlen(code), known).ec == std::errc()) {
-        unit = known;
-      }
-    }
-    call_.freeSystem(axes);
-    call_.freeSystem(system);
-    return unit;
   }
 
   Problem readPlace() {

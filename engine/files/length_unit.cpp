@@ -1,0 +1,90 @@
+#include "engine/files/length_unit.h"
+
+#if __has_include(<proj.h>)
+#define ESPALIER_HAS_PROJ 1
+#include <dlfcn.h>
+#include <proj.h>
+#endif
+
+#include <charconv>
+#include <cstring>
+#include <string>
+#include <type_traits>
+
+namespace espalier::files {
+
+#ifdef ESPALIER_HAS_PROJ
+
+namespace {
+
+constexpr const char* kLibrary = "libproj.so.25";
+
+/// The functions of PROJ that are used.
+struct Functions {
+  decltype(&::proj_context_create) makeContext = nullptr;
+  decltype(&::proj_context_destroy) freeContext = nullptr;
+  decltype(&::proj_log_level) setMessages = nullptr;
+  decltype(&::proj_create_from_database) makeSystem = nullptr;
+  decltype(&::proj_crs_get_coordinate_system) axesOf = nullptr;
+  decltype(&::proj_cs_get_axis_info) axisOf = nullptr;
+  decltype(&::proj_destroy) free = nullptr;
+};
+
+/// Loads the library; nothing when it is not installed. It stays loaded.
+std::optional<Functions> load() {
+  void* const library = ::dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    return std::nullopt;
+  }
+  Functions functions;
+  bool isComplete = true;
+  const auto find = [&](auto& function, const char* name) {
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(library, name));
+    isComplete = isComplete && function != nullptr;
+  };
+  find(functions.makeContext, "proj_context_create");
+  find(functions.freeContext, "proj_context_destroy");
+  find(functions.setMessages, "proj_log_level");
+  find(functions.makeSystem, "proj_create_from_database");
+  find(functions.axesOf, "proj_crs_get_coordinate_system");
+  find(functions.axisOf, "proj_cs_get_axis_info");
+  find(functions.free, "proj_destroy");
+  return isComplete ? std::optional(functions) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<unsigned> unitOfSystem(unsigned epsg) {
+  static const std::optional<Functions> call = load();
+  if (!call) {
+    return std::nullopt;
+  }
+  PJ_CONTEXT* const context = call->makeContext();
+  call->setMessages(context, PJ_LOG_NONE);
+  PJ* const system = call->makeSystem(context, "EPSG", std::to_string(epsg).c_str(), PJ_CATEGORY_CRS, 0, nullptr);
+  PJ* const axes = system == nullptr ? nullptr : call->axesOf(context, system);
+  const char* code = nullptr;
+  std::optional<unsigned> unit;
+  if (axes != nullptr &&
+      call->axisOf(context, axes, 0, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, &code) == 1 &&
+      code != nullptr) {
+    unsigned known = 0;
+    if (std::from_chars(code, code + std::strlen(code), known).ec == std::errc()) {
+      unit = known;
+    }
+  }
+  call->free(axes);
+  call->free(system);
+  call->freeContext(context);
+  return unit;
+}
+
+#else
+
+std::optional<unsigned> unitOfSystem(unsigned) {
+  return std::nullopt;
+}
+
+#endif
+
+}  // namespace espalier::files
