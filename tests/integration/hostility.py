@@ -7,8 +7,8 @@ where others belong, simulations that fill the disk. The server has few descript
 disk, and its wall clock jumps. The client that means well must get every answer, and its waiting times are printed. What
 was answered as saved is there after the server was killed.
 
-Where libfaketime is installed (package faketime) the clock jumps; where this process may make control groups the server
-is in one that bounds its memory. What is missing is printed.
+Where there is a C compiler the clock jumps (tests/support/shifted_clock.c); where this process may make control groups the
+server is in one that bounds its memory. What is missing is printed.
 """
 
 import base64
@@ -16,6 +16,7 @@ import json
 import multiprocessing
 import os
 import random
+import shutil
 import socket
 import ssl
 import statistics
@@ -33,6 +34,7 @@ from espalier import Client, EspalierError, ServerError
 
 PROCESSES = multiprocessing.get_context("fork")
 SECONDS = 60
+CLOCK_SOURCE = Path(__file__).parents[1] / "support" / "shifted_clock.c"
 # of the control group; the limit memoryBytes is 150 MB, and the C library keeps freed memory for each thread
 GROUP_BYTES = 700_000_000
 TOKEN = "means well"
@@ -70,6 +72,10 @@ class Surroundings:
     group: Optional[Path] = None  # a control group that bounds its memory
 
     @property
+    def clock_library(self) -> Path:
+        return self.folder / "shifted_clock.so"
+
+    @property
     def certificate(self) -> Path:
         return self.folder / "certificate.pem"
 
@@ -85,11 +91,13 @@ class Surroundings:
                  "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1"], check=True, capture_output=True)
             # the clients of this process and of its children trust it
             os.environ["SSL_CERT_FILE"] = str(self.certificate)
-        if list(Path("/usr/lib").glob("*/faketime/libfaketime.so.1")):
+        compiler = shutil.which("cc") or shutil.which("gcc")
+        if compiler:
+            subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", str(self.clock_library), str(CLOCK_SOURCE)], check=True)
             self.clock = self.folder / "clock"
             self.clock.write_text("+0\n", encoding="ascii")
         else:
-            print("the clock does not jump: libfaketime is not installed")
+            print("the clock does not jump: there is no C compiler")
         self.group = memory_group()
         if self.group is None:
             print("no control group bounds the server: this process may not make one")
@@ -102,10 +110,8 @@ class Surroundings:
     def serve(self) -> Process:
         settings = {}
         if self.clock is not None:
-            library = next(iter(Path("/usr/lib").glob("*/faketime/libfaketime.so.1")))
             # steps and time-outs go by the other clock, which does not jump
-            settings = {"LD_PRELOAD": str(library), "FAKETIME_TIMESTAMP_FILE": str(self.clock), "FAKETIME_CACHE_DURATION": "1",
-                        "FAKETIME_DONT_FAKE_MONOTONIC": "1"}
+            settings = {"LD_PRELOAD": str(self.clock_library), "CLOCK_SHIFT_FILE": str(self.clock)}
         enter = f"echo $$ > '{self.group}/cgroup.procs'; " if self.group is not None else ""
         variables = " ".join(f"{name}='{value}'" for name, value in settings.items())
         encryption = f"--certificate '{self.certificate}' --key '{self.folder}/key.pem'" if self.is_encrypted else ""
