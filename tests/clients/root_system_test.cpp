@@ -126,6 +126,9 @@ TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
             "line 4: the node 2 is its own ancestor. Let parents lead to a collar, whose parent is -1");
   EXPECT_EQ(ofTable("0\t-1\t0\t0\t0\n1\t7\t0\t0\t0\n"),
             "line 3: the node 1 has the parent 7, which is not in the file. Add it, or write -1 for a collar");
+  EXPECT_EQ(
+      ofTable("0\t-1\t0\t0\t0\n100000\t1e30\t0\t0\t0\n"),
+      "line 3: the node 100000 has the parent 1.0e+30, which is not in the file. Add it, or write -1 for a collar");
   EXPECT_EQ(ofTable("0\t-1\t0\t0\t0\n0\t-1\t0\t0\t0\n"),
             "line 3: the node 0 is there twice. Give each node a number of its own");
   EXPECT_EQ(ofTable("0\t-1\t0\tnorth\t0\n"),

@@ -18,6 +18,16 @@ std::string placeOf(std::size_t line) {
   return "line " + std::to_string(line) + ": ";
 }
 
+std::string textOf(double number) {
+  constexpr double kMostWhole = 1e15;  // below it a whole number is written without an exponent
+  if (std::abs(number) < kMostWhole) {
+    return std::to_string(static_cast<long long>(number));
+  }
+  std::string text;
+  core::appendNumber(text, number, core::NumberStyle::Shortest);
+  return text;
+}
+
 std::optional<double> numberOf(std::string_view field) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
@@ -50,8 +60,7 @@ tl::expected<RootSystem, std::string> sorted(const std::vector<TableNode>& rows)
   std::unordered_map<double, std::size_t> rowOf;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     if (!rowOf.try_emplace(rows[row].id, row).second) {
-      return tl::unexpected(placeOf(rows[row].line) + "the node " +
-                            std::to_string(static_cast<long long>(rows[row].id)) +
+      return tl::unexpected(placeOf(rows[row].line) + "the node " + textOf(rows[row].id) +
                             " is there twice. Give each node a number of its own");
     }
   }
@@ -64,8 +73,7 @@ tl::expected<RootSystem, std::string> sorted(const std::vector<TableNode>& rows)
     for (std::size_t at = row; indexOf[at] == RootSystem::kNone;) {
       way.push_back(at);
       if (way.size() > rows.size()) {
-        return tl::unexpected(placeOf(rows[at].line) + "the node " +
-                              std::to_string(static_cast<long long>(rows[at].id)) +
+        return tl::unexpected(placeOf(rows[at].line) + "the node " + textOf(rows[at].id) +
                               " is its own ancestor. Let parents lead to a collar, whose parent is -1");
       }
       if (rows[at].parent < 0.0) {
@@ -73,10 +81,8 @@ tl::expected<RootSystem, std::string> sorted(const std::vector<TableNode>& rows)
       }
       const auto parent = rowOf.find(rows[at].parent);
       if (parent == rowOf.end()) {
-        return tl::unexpected(placeOf(rows[at].line) + "the node " +
-                              std::to_string(static_cast<long long>(rows[at].id)) + " has the parent " +
-                              std::to_string(static_cast<long long>(rows[at].parent)) +
-                              ", which is not in the file. Add it, or write -1 for a collar");
+        return tl::unexpected(placeOf(rows[at].line) + "the node " + textOf(rows[at].id) + " has the parent " +
+                              textOf(rows[at].parent) + ", which is not in the file. Add it, or write -1 for a collar");
       }
       at = parent->second;
     }
