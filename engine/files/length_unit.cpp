@@ -2,14 +2,14 @@
 
 #if __has_include(<proj.h>)
 #define ESPALIER_HAS_PROJ 1
-#include <dlfcn.h>
 #include <proj.h>
 #endif
 
 #include <charconv>
 #include <cstring>
 #include <string>
-#include <type_traits>
+
+#include "engine/core/optional_library.h"
 
 namespace espalier::files {
 
@@ -32,24 +32,16 @@ struct Functions {
 
 /// Loads the library; nothing when it is not installed. It stays loaded.
 std::optional<Functions> load() {
-  void* const library = ::dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) {
-    return std::nullopt;
-  }
+  core::OptionalLibrary library(kLibrary);
   Functions functions;
-  bool isComplete = true;
-  const auto find = [&](auto& function, const char* name) {
-    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(library, name));
-    isComplete = isComplete && function != nullptr;
-  };
-  find(functions.makeContext, "proj_context_create");
-  find(functions.freeContext, "proj_context_destroy");
-  find(functions.setMessages, "proj_log_level");
-  find(functions.makeSystem, "proj_create_from_database");
-  find(functions.axesOf, "proj_crs_get_coordinate_system");
-  find(functions.axisOf, "proj_cs_get_axis_info");
-  find(functions.free, "proj_destroy");
-  return isComplete ? std::optional(functions) : std::nullopt;
+  library.find(functions.makeContext, "proj_context_create");
+  library.find(functions.freeContext, "proj_context_destroy");
+  library.find(functions.setMessages, "proj_log_level");
+  library.find(functions.makeSystem, "proj_create_from_database");
+  library.find(functions.axesOf, "proj_crs_get_coordinate_system");
+  library.find(functions.axisOf, "proj_cs_get_axis_info");
+  library.find(functions.free, "proj_destroy");
+  return library.isComplete() ? std::optional(functions) : std::nullopt;
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #if __has_include(<geotiff/geotiff.h>) && __has_include(<tiffio.h>)
 #define ESPALIER_HAS_GEOTIFF 1
-#include <dlfcn.h>
 #include <geotiff/geokeys.h>
 #include <geotiff/geotiff.h>
 #include <geotiff/geovalues.h>
@@ -20,6 +19,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/core/optional_library.h"
 #include "engine/files/length_unit.h"
 
 namespace espalier::server {
@@ -59,35 +59,27 @@ struct Functions {
 
 /// Loads the libraries; nothing when they are not installed. They stay loaded.
 std::optional<Functions> load() {
-  void* const library = ::dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) {
-    return std::nullopt;
-  }
+  core::OptionalLibrary library(kLibrary);
   Functions functions;
-  bool isComplete = true;
-  const auto find = [&](auto& function, const char* name) {
-    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(library, name));
-    isComplete = isComplete && function != nullptr;
-  };
-  find(functions.initialize, "XTIFFInitialize");
-  find(functions.makeOptions, "TIFFOpenOptionsAlloc");
-  find(functions.freeOptions, "TIFFOpenOptionsFree");
-  find(functions.setMostBytes, "TIFFOpenOptionsSetMaxSingleMemAlloc");
-  find(functions.setErrorHandler, "TIFFOpenOptionsSetErrorHandlerExtR");
-  find(functions.setWarningHandler, "TIFFOpenOptionsSetWarningHandlerExtR");
-  find(functions.open, "TIFFClientOpenExt");
-  find(functions.close, "TIFFClose");
-  find(functions.get, "TIFFGetField");
-  find(functions.getOrDefault, "TIFFGetFieldDefaulted");
-  find(functions.isTiled, "TIFFIsTiled");
-  find(functions.lineBytes, "TIFFScanlineSize64");
-  find(functions.readLine, "TIFFReadScanline");
-  find(functions.tileBytes, "TIFFTileSize64");
-  find(functions.readTile, "TIFFReadTile");
-  find(functions.makeKeys, "GTIFNewEx");
-  find(functions.freeKeys, "GTIFFree");
-  find(functions.keyOf, "GTIFKeyGetSHORT");
-  if (!isComplete) {
+  library.find(functions.initialize, "XTIFFInitialize");
+  library.find(functions.makeOptions, "TIFFOpenOptionsAlloc");
+  library.find(functions.freeOptions, "TIFFOpenOptionsFree");
+  library.find(functions.setMostBytes, "TIFFOpenOptionsSetMaxSingleMemAlloc");
+  library.find(functions.setErrorHandler, "TIFFOpenOptionsSetErrorHandlerExtR");
+  library.find(functions.setWarningHandler, "TIFFOpenOptionsSetWarningHandlerExtR");
+  library.find(functions.open, "TIFFClientOpenExt");
+  library.find(functions.close, "TIFFClose");
+  library.find(functions.get, "TIFFGetField");
+  library.find(functions.getOrDefault, "TIFFGetFieldDefaulted");
+  library.find(functions.isTiled, "TIFFIsTiled");
+  library.find(functions.lineBytes, "TIFFScanlineSize64");
+  library.find(functions.readLine, "TIFFReadScanline");
+  library.find(functions.tileBytes, "TIFFTileSize64");
+  library.find(functions.readTile, "TIFFReadTile");
+  library.find(functions.makeKeys, "GTIFNewEx");
+  library.find(functions.freeKeys, "GTIFFree");
+  library.find(functions.keyOf, "GTIFKeyGetSHORT");
+  if (!library.isComplete()) {
     return std::nullopt;
   }
   functions.initialize();

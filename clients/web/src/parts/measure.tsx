@@ -50,7 +50,7 @@ export function Protractor({ view, points, onPoint }: { view: View; points: Poin
   );
 }
 
-/** What the points measure. `onLength`: the first leg lies on something in the photograph whose length a person knows. */
+/** What the points measure. `onLength`: a person knows the length of what the first leg lies on. */
 export function Measured({ view, points, onLength }: { view: View; points: Point[]; onLength?: (length: number) => void }) {
   const { unitsPerPixel } = view.foot();
   const [first, second] = [apart(points[0], points[1]), apart(points[1], points[2])].map((pixels) => shortNumber(pixels * unitsPerPixel));
@@ -59,7 +59,7 @@ export function Measured({ view, points, onLength }: { view: View; points: Point
     <>
       <output id="measured" class="chip" title="The angle, and the lengths of the first and the second leg in units of the model">{angleAt(points).toFixed(1)}° · {first} · {second}</output>
       {onLength && (
-        <label class="chip" title="Lay the first leg on something in the photograph whose length you know: the photograph takes the size in which it is so long">first leg is <input id="known-length" type="number" min={0} step="any" value={first} onChange={(event) => known(event.currentTarget.valueAsNumber)} /> long</label>
+        <label class="chip" title="Lay the first leg on something in the photograph whose length you know, and write the length: the photograph gets that scale">first leg is <input id="known-length" type="number" min={0} step="any" value={first} onChange={(event) => known(event.currentTarget.valueAsNumber)} /> long</label>
       )}
     </>
   );

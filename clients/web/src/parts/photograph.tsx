@@ -89,8 +89,8 @@ export function Photograph({ studio }: { studio: Studio }) {
           <>
             <label class="chip">photograph is <input id="photograph-height" type="number" min={0} step="any" value={height} onInput={(event) => event.currentTarget.valueAsNumber > 0 && setHeight(event.currentTarget.valueAsNumber)} /> high</label>
             <button type="button" id="photograph-move" class="chip" title="Drag, or press arrow keys, to move the photograph" onPointerDown={(event) => event.currentTarget.setPointerCapture(event.pointerId)} onPointerMove={moved} onKeyDown={shifted}>move</button>
-            <label class="chip" title="How strong the photograph is">photograph <input type="range" min={0.1} max={1} step={0.05} value={strength} onInput={(event) => setStrength(event.currentTarget.valueAsNumber)} /></label>
-            <label class="chip" title="How strong the plant is: when it is weak the photograph is seen through it">plant <input id="plant-strength" type="range" min={0.1} max={1} step={0.05} value={plantStrength} onInput={(event) => setPlantStrength(event.currentTarget.valueAsNumber)} /></label>
+            <label class="chip" title="How see-through the photograph is">photograph <input type="range" min={0.1} max={1} step={0.05} value={strength} onInput={(event) => setStrength(event.currentTarget.valueAsNumber)} /></label>
+            <label class="chip" title="How see-through the plant is">plant <input id="plant-strength" type="range" min={0.1} max={1} step={0.05} value={plantStrength} onInput={(event) => setPlantStrength(event.currentTarget.valueAsNumber)} /></label>
             <IconButton icon="close" label="Remove the photograph" onClick={() => { URL.revokeObjectURL(url); setUrl(""); setWay([0, 0]); }} />
           </>
         )}
