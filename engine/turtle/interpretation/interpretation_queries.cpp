@@ -72,6 +72,11 @@ void Interpretation::fill(const Sequence& sequence, std::uint64_t offset, std::u
   for (std::size_t k = 0; k < count; ++k) {
     const double before = sequence.parameters[offset + k];
     const double value = isCompatible() ? static_cast<double>(static_cast<float>(values[k])) : values[k];
+    if (!isCompatible() && !std::isfinite(value)) [[unlikely]] {
+      // in the plant's own coordinates; the turtle's are checked as it moves
+      fail(core::SimulationErrorCode::NonFinite,
+           "the answer to this query is not a finite number. Bound the place and the directions of the plant");
+    }
     if (output_.changes != nullptr) {
       output_.changes->push_back({offset + k, before, module_});
     }
