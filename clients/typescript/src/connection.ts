@@ -38,6 +38,7 @@ export class Connection {
   private readonly waiting = new Map<number, Waiting>();
   private lastId = 0;
   private isClosed = false;
+  private refusal = ".";  // why the server ends the connection
 
   constructor(private readonly transport: Transport) {
     transport.onMessage = (message) => this.take(message);
@@ -51,7 +52,7 @@ export class Connection {
   /** Sends a request and waits for its result. Fails with ServerError or ConnectionLost. */
   call<M extends Method>(method: M, params: Params<M>, options: CallOptions = {}): Promise<Result<M>> {
     if (this.isClosed) {
-      return Promise.reject(new ConnectionLost("The connection to the server is closed."));
+      return Promise.reject(new ConnectionLost("The connection to the server is closed" + this.refusal));
     }
     const id = ++this.lastId;
     return new Promise((done, failed) => {
@@ -87,7 +88,7 @@ export class Connection {
     }
     this.isClosed = true;
     for (const { failed } of this.waiting.values()) {
-      failed(new ConnectionLost("The connection to the server is lost."));
+      failed(new ConnectionLost("The connection to the server is lost" + this.refusal));
     }
     this.waiting.clear();
     this.onClosed();
@@ -100,6 +101,8 @@ export class Connection {
       this.waiting.get(message.params.id)?.onProgress?.(message.params);
     } else if (message.method !== undefined) {
       this.onNotification(message.method, message.params ?? {}, message.blocks ?? {});
+    } else if (message.id === null && message.error) {
+      this.refusal = `: ${message.error.message}`;
     } else {
       const waiting = this.waiting.get(message.id as number);
       this.waiting.delete(message.id as number);

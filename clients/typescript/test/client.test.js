@@ -157,6 +157,20 @@ test("a client connects again by itself, and its streams go on", async () => {
   rmSync(data, { recursive: true });
 });
 
+test("a connection that the server ends tells why", async () => {
+  const { server, address } = await serve("127.0.0.1:0", "--limit", "lineBytes=100000");
+  const peer = await connect(address, { reconnect: false });
+  await assert.rejects(peer.create({ model: { source: "x".repeat(200_000) } }), (error) => {
+    assert.ok(error instanceof ConnectionLost);
+    assert.match(error.message, /lost: lineBytes is limited to 100000/);
+    return true;
+  });
+  await assert.rejects(peer.gallery(), /closed: lineBytes is limited to 100000/);
+  peer.close();
+  server.kill();
+  await ended(server);
+});
+
 test("the types know every method of the protocol", async () => {
   const methods = readFileSync(join(here, "../../../protocol/methods.def"), "utf8").matchAll(/^ESPALIER_\w+\("([^"]+)"/gm);
   const types = readFileSync(join(here, "../src/protocol.ts"), "utf8");
