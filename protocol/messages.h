@@ -262,7 +262,8 @@ struct StreamSelection {
 
 struct GetParams {
   std::string simulation;
-  // string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace, palette, explanation
+  // string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace, palette, explanation,
+  // environment
   std::string what;
   std::uint32_t plant = 0;
   std::uint64_t module = 0;  // of the explanation

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cctype>
 #include <string>
 #include <string_view>
 
@@ -20,6 +21,13 @@ namespace espalier::files {
 [[nodiscard]] inline std::string folderOf(std::string_view file) {
   const std::size_t slash = file.rfind('/');
   return slash == std::string_view::npos ? std::string{} : std::string(file.substr(0, slash + 1));
+}
+
+/// Whether a name has more than the suffix, and ends in it; the suffix is in small letters, the name in any.
+[[nodiscard]] inline bool endsIn(std::string_view name, std::string_view suffix) {
+  return name.size() > suffix.size() &&
+         std::ranges::equal(name.substr(name.size() - suffix.size()), suffix, {},
+                            [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
 }
 
 /// Whether a relative name cannot leave the folder it is joined to: not absolute, no `..`, none of the characters

@@ -98,7 +98,7 @@ void write(ByteWriter& writer, const turtle::World& world) {
   writer.text(world.start);
 }
 
-void readWorld(ByteReader& reader, turtle::World& world) {
+void readEventWorld(ByteReader& reader, turtle::World& world) {
   world.lengthUnit = reader.text();
   const std::vector<core::Vec3> directions = readVectors(reader);
   if (directions.size() == 2) {
@@ -133,7 +133,7 @@ bool readStart(ByteReader& reader, TraceEvent& event) {
     symbol = reader.text();
   }
   event.context.seed = reader.number64();
-  readWorld(reader, event.context.world);
+  readEventWorld(reader, event.context.world);
   return true;
 }
 

@@ -11,7 +11,7 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr int kMostRounds = 2000;
+constexpr int kMostTreeRounds = 2000;
 constexpr int kRoundsOfAllLeaves = 30;       // in which all leaves may change; later one a round
 constexpr double kTolerance = 1e-10;         // of the flow, and of kx
 constexpr double kRoundingTolerance = 1e-6;  // of what does not become better
@@ -259,7 +259,7 @@ tl::expected<PlantWater::Result, double> PlantWater::solve(std::span<const Hydra
   double least = HUGE_VAL;
   int idle = 0;           // rounds since the error became much smaller
   double sum = HUGE_VAL;  // of what is wrong, with stomata
-  for (result.rounds = 1; result.rounds <= kMostRounds; ++result.rounds) {
+  for (result.rounds = 1; result.rounds <= kMostTreeRounds; ++result.rounds) {
     result.flow = tree_.solve(plants, segments_);
     if (!gasLeaves_.empty()) {
       sum = goTowards(result.flow.heads, sum, result.rounds == 1);

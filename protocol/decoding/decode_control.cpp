@@ -364,13 +364,13 @@ Expected<GetParams> decodeGetParams(const Payload& payload) {
     get.simulation = readName(params["simulation"]);
     const Member what = params["what"];
     get.what = what.text();
-    constexpr std::array<std::string_view, 11> kKinds{"string", "statistics",  "state-hash",  "turtle",
+    constexpr std::array<std::string_view, 12> kKinds{"string", "statistics",  "state-hash",  "turtle",
                                                       "model",  "information", "checkpoints", "traces",
-                                                      "trace",  "palette",     "explanation"};
+                                                      "trace",  "palette",     "explanation", "environment"};
     if (std::find(kKinds.begin(), kKinds.end(), get.what) == kKinds.end()) {
       what.failExpected(
           "one of string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace, palette, "
-          "explanation");
+          "explanation, environment");
     }
     if (get.what == "trace") {
       get.trace = static_cast<std::uint64_t>(params["trace"].integer(1, kMaximumExactInteger));

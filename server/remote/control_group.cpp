@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The words of the first line of a file; none when it cannot be read.
-std::vector<std::string> wordsOf(const fs::path& file) {
+std::vector<std::string> wordsOfFile(const fs::path& file) {
   std::ifstream stream(file);
   std::string line;
   std::getline(stream, line);
@@ -73,7 +73,7 @@ void lower(std::optional<Value>& bound, Value value) {
 std::optional<std::uint64_t> controlGroupMemoryBytes(const std::string& root) {
   std::optional<std::uint64_t> bound;
   const auto look = [&bound](const fs::path& file) {
-    const auto words = wordsOf(file);
+    const auto words = wordsOfFile(file);
     if (const auto number = words.empty() ? std::nullopt : numberIn(words.front()); number && *number > 0) {
       lower(bound, static_cast<std::uint64_t>(*number));
     }
@@ -98,7 +98,7 @@ unsigned processorCount(const std::string& root) {
   std::optional<double> quota;
   for (const fs::path& group : groupsOf(root, "")) {
     // QUOTA PERIOD in microseconds, or "max PERIOD"
-    const auto words = wordsOf(group / "cpu.max");
+    const auto words = wordsOfFile(group / "cpu.max");
     const auto most = words.size() == 2 ? numberIn(words[0]) : std::nullopt;
     const auto period = words.size() == 2 ? numberIn(words[1]) : std::nullopt;
     if (most && period && *most > 0 && *period > 0) {
@@ -106,8 +106,8 @@ unsigned processorCount(const std::string& root) {
     }
   }
   for (const fs::path& group : groupsOf(fs::path(root) / "cpu", "cpu")) {
-    const auto most = wordsOf(group / "cpu.cfs_quota_us");
-    const auto period = wordsOf(group / "cpu.cfs_period_us");
+    const auto most = wordsOfFile(group / "cpu.cfs_quota_us");
+    const auto period = wordsOfFile(group / "cpu.cfs_period_us");
     const auto quotaNumber = most.empty() ? std::nullopt : numberIn(most.front());
     const auto periodNumber = period.empty() ? std::nullopt : numberIn(period.front());
     if (quotaNumber && periodNumber && *quotaNumber > 0 && *periodNumber > 0) {

@@ -275,4 +275,23 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
   return built;
 }
 
+std::string readableEnvironment(const std::string& environmentJson) {
+  std::string list;
+  const auto parsed = environment::parseEnvironmentEntries(environmentJson.empty() ? "[]" : environmentJson);
+  for (const environment::EnvironmentEntry& entry : parsed.value_or(std::vector<environment::EnvironmentEntry>{})) {
+    protocol::JsonWriter head;
+    head.beginObject().key("type").text(entry.type);
+    if (entry.name != entry.type) {
+      head.key("name").text(entry.name);
+    }
+    std::string text = head.endObject().take();
+    if (!isRemote(entry.type) && entry.configuration.size() > 2) {
+      text.back() = ',';
+      text += std::string_view(entry.configuration).substr(1);
+    }
+    list += (list.empty() ? "" : ",") + text;
+  }
+  return "[" + list + "]";
+}
+
 }  // namespace espalier::server

@@ -58,4 +58,8 @@ struct BuiltEnvironment {
                                                                                bool isAbsenceTolerated,
                                                                                const EnvironmentServices& services);
 
+/// The `environment` array of a simulation as peers may read it: processes of the server whole, those in other
+/// processes by type and name alone, because addresses, commands and what they are sent may be secret.
+[[nodiscard]] std::string readableEnvironment(const std::string& environmentJson);
+
 }  // namespace espalier::server

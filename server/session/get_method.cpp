@@ -7,6 +7,7 @@
 #include "protocol/base64.h"
 #include "protocol/codec.h"
 #include "server/remote/translation/translate.h"
+#include "server/running/environment_builder.h"
 #include "server/server_core.h"
 #include "server/session/request_work.h"
 #include "server/session/session.h"
@@ -62,6 +63,11 @@ Problem writeModel(SimulationRunner& runner, const protocol::GetParams&, protoco
 
 Problem writeInformation(SimulationRunner& runner, const protocol::GetParams&, protocol::JsonWriter& result) {
   write(result.key("information"), runner.information());
+  return std::nullopt;
+}
+
+Problem writeEnvironment(SimulationRunner& runner, const protocol::GetParams&, protocol::JsonWriter& result) {
+  result.key("environment").raw(readableEnvironment(runner.hosted().record().create.environmentJson));
   return std::nullopt;
 }
 
@@ -155,7 +161,7 @@ constexpr std::array kParts{
     Part{"information", writeInformation}, Part{"checkpoints", writeCheckpoints},
     Part{"traces", writeTraces},           Part{"trace", writeTrace},
     Part{"turtle", writeTurtle},           Part{"palette", writePalette},
-    Part{"explanation", writeExplanation},
+    Part{"explanation", writeExplanation}, Part{"environment", writeEnvironment},
 };
 
 protocol::Expected<std::string> readPart(SimulationRunner& runner, const protocol::GetParams& params) {

@@ -389,7 +389,7 @@ test("the page watches what another program does, and lives through a new start 
   const { host } = new URL(first.address);
   const page = await open(SMALL(first.address));
   const made = await page.evaluate(async () => {
-    const watched = await studio.simulation.client.create({ model: { gallery: "classic-weed" }, seed: 1 });
+    const watched = await studio.simulation.client.create({ model: { gallery: "classic-weed" }, seed: 1, environment: [{ type: "honda", radius: 0.5 }] });
     await watched.step(2);
     return watched.id;
   });
@@ -409,6 +409,15 @@ test("the page watches what another program does, and lives through a new start 
   assert.match(await pupil.evaluate(() => studio.simulation.step().then(() => "", (error) => error.message)), /role|controller/);
   await page.evaluate((id) => studio.simulation.client.simulation(id).step(), made);
   await pupil.waitForFunction(() => document.getElementById("plant").dataset.step === "4");
+
+  // a copy of one's own, with its environment, in a page of its own
+  const [own] = await Promise.all([pupil.waitForEvent("popup"), pupil.click("#copy-plant")]);
+  await own.waitForFunction(() => document.getElementById("plant")?.dataset.step === "4");
+  assert.deepEqual(await own.evaluate(() => studio.document.environment), [{ type: "honda", radius: 0.5 }]);
+  const hashes = await Promise.all([own, pupil].map((one) => one.evaluate(() => studio.simulation.stateHash())));
+  assert.equal(hashes[0], hashes[1]);
+  assert.ok(!(await own.isDisabled("#step")));
+  await own.close();
   await pupil.close();
 
   first.server.kill("SIGKILL");

@@ -1,16 +1,9 @@
 #include "engine/files/images/image_file.h"
 
-#include <algorithm>
-#include <cctype>
+#include "engine/files/file_name.h"
 
 namespace espalier::files {
 namespace {
-
-bool endsIn(std::string_view name, std::string_view suffix) {
-  return name.size() > suffix.size() &&
-         std::ranges::equal(name.substr(name.size() - suffix.size()), suffix, {},
-                            [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-}
 
 /// The first bytes of the SGI format, two of its own, and of PNM: P and the digit of its kind.
 bool isSgi(std::string_view bytes) {

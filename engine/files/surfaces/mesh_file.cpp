@@ -1,18 +1,8 @@
 #include "engine/files/surfaces/mesh_file.h"
 
-#include <algorithm>
-#include <cctype>
+#include "engine/files/file_name.h"
 
 namespace espalier::files {
-namespace {
-
-bool endsIn(std::string_view name, std::string_view suffix) {
-  return name.size() > suffix.size() &&
-         std::ranges::equal(name.substr(name.size() - suffix.size()), suffix, {},
-                            [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-}
-
-}  // namespace
 
 bool isMeshFile(std::string_view name) {
   return endsIn(name, ".obj") || endsIn(name, ".glb") || endsIn(name, ".gltf");

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cctype>
 
+#include "engine/language/preprocess/macro_table.h"
+
 namespace espalier::language {
 namespace {
 
 constexpr std::size_t kMostRepetitions = 1000;
-
-bool isWordPart(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
-}
 
 // the end of the code of a line: a '#' outside of quotes begins a remark
 std::size_t endOfCode(std::string_view line) {
@@ -120,7 +118,7 @@ std::vector<PythonStatement> pythonBlock(const std::vector<PythonLine>& lines, s
 
 std::pair<std::string, TextPiece> firstWord(const TextPiece& code) {
   std::size_t end = 0;
-  while (end < code.text.size() && isWordPart(code.text[end])) {
+  while (end < code.text.size() && isIdentifierPart(code.text[end])) {
     ++end;
   }
   return {std::string(code.text.substr(0, end)), code.from(end).trimmed()};

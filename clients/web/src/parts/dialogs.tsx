@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import type { Studio } from "../studio/studio.js";
-import { download, packed } from "../studio/share.js";
+import { download, linkTo } from "../studio/share.js";
 import { filmGrowth } from "../studio/film.js";
 import { bytesOf } from "../studio/palette.js";
 import { newDocument, publishedFileOf } from "../studio/document.js";
@@ -147,7 +147,7 @@ export function ShareDialog({ studio, onClose }: { studio: Studio; onClose: () =
   const [link, setLink] = useState("");
   const [isCopied, setCopied] = useState(false);
   useEffect(() => {
-    void packed({ document: studio.document, seed: studio.seed, step: studio.step }).then((text) => setLink(`${location.origin}${location.pathname}#model=${text}`));
+    void linkTo(studio).then(setLink);
   }, []);
   const copy = async (text: string) => {
     await navigator.clipboard?.writeText(text).catch(() => {});

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
 import { guessedRange, processesWritten } from "../studio/document.js";
 import type { Define } from "../studio/document.js";
+import { linkTo } from "../studio/share.js";
 import { ColourBoard } from "./colour_board.js";
 import { EnvironmentForm } from "./environment_form.js";
 import { IconButton } from "./icons.js";
@@ -51,7 +52,12 @@ function rangeOf(studio: Studio, define: Define): { low: number; high: number; s
 function Parameters({ studio }: { studio: Studio }) {
   const defines = studio.defines;
   if (!studio.isOwn && studio.simulation) {
-    return <p class="quiet">{studio.isReadOnly ? "This page only watches a simulation. Open the page without the link to grow a plant of your own." : "Another program made this simulation. Change its text to make one of your own."}</p>;
+    return (
+      <>
+        <p class="quiet">{studio.isReadOnly ? "This page only watches a simulation." : "Another program made this simulation. Change its text to make one of your own."}</p>
+        <button type="button" id="copy-plant" onClick={() => void studio.act(async () => void open(await linkTo(studio), "_blank"))}>Grow a copy of your own</button>
+      </>
+    );
   }
   if (defines.length === 0) {
     return <p class="quiet">Numbers that the model names with <code>#define NAME 0.5</code> get a slider here.</p>;

@@ -160,7 +160,7 @@ export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }
     }
   }, []);
   const { environment } = studio.document;
-  useEffect(() => studio.view?.surround(studio.isOwn ? (environment ?? []) : []), [environment, studio.isOwn]);
+  useEffect(() => studio.view?.surround(environment ?? []), [environment]);
   const settings = studio.view?.settings;
   const figures = studio.view?.surroundings.figures();
   return (

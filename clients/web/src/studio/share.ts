@@ -12,13 +12,18 @@ async function through(bytes: Uint8Array, stream: CompressionStream | Decompress
   return new Uint8Array(await new Response(blob).arrayBuffer());
 }
 
-export async function packed(shared: Shared): Promise<string> {
+async function packed(shared: Shared): Promise<string> {
   const bytes = await through(new TextEncoder().encode(JSON.stringify(shared)), new CompressionStream("deflate-raw"));
   let text = "";
   for (const byte of bytes) {
     text += String.fromCharCode(byte);
   }
   return btoa(text).replace(/\+/g, "-").replace(/\//g, "_").replace(/=+$/, "");
+}
+
+/** A link to the page with the plant as it is now, which others may change without changing this one. */
+export async function linkTo({ document, seed, step }: Shared): Promise<string> {
+  return `${location.origin}${location.pathname}#model=${await packed({ document, seed, step })}`;
 }
 
 export async function unpacked(text: string): Promise<Shared> {

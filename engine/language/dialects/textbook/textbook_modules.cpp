@@ -7,6 +7,7 @@
 #include "engine/core/number_text.h"
 #include "engine/language/dialects/textbook/textbook_statements.h"
 #include "engine/language/dialects/textbook/textbook_words.h"
+#include "engine/language/preprocess/macro_table.h"
 
 namespace espalier::language {
 namespace {
@@ -33,10 +34,6 @@ const Pair* pairAt(const std::array<Pair, Count>& pairs, std::string_view text) 
     }
   }
   return nullptr;
-}
-
-bool isDigit(char c) {
-  return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 
 bool isLetter(char c) {

@@ -15,11 +15,11 @@ using core::Vec3;
 namespace {
 
 constexpr double kThinnestLine = 0.5;  // page units
-constexpr Colour kShade{22, 26, 30};
+constexpr Colour kDark{22, 26, 30};
 constexpr Colour kShine{255, 255, 250};
 
 Colour lit(const Colour& colour, double factor) {
-  return factor <= 1.0 ? mixed(kShade, colour, factor) : mixed(colour, kShine, factor - 1.0);
+  return factor <= 1.0 ? mixed(kDark, colour, factor) : mixed(colour, kShine, factor - 1.0);
 }
 
 /// The mean of a part of a texture over a colour, and how opaque it is.
