@@ -23,7 +23,7 @@ export function ColourBoard({ studio }: { studio: Studio }) {
   };
   return (
     <section class="colours" aria-label={`Colours of ${name}`}>
-      <h3>Colours <span class="quiet">changes {name}</span></h3>
+      <h3>Colours of {name}</h3>
       <div class="row wrap">
         {used.slice(0, MOST).map((index) => (
           <label key={index} class="swatch" title={`Colour ${index}`}>

@@ -25,7 +25,7 @@ function OnePanel({ studio, name }: { studio: Studio; name: string }) {
   };
   return (
     <section class="published" aria-label={panel.title}>
-      <h3>{panel.title} <span class="quiet">changes {target}</span></h3>
+      <h3>{panel.title} <span class="quiet">– changes {target}</span></h3>
       <div class="board" style={{ width: `${panel.width}px`, height: `${panel.height}px`, background: panel.background }}>
         {panel.items.map((item, i) => {
           const place = { left: `${item.x}px`, top: `${item.y}px`, color: item.colours[0] || "#fff" };
