@@ -79,4 +79,24 @@ std::optional<unsigned> unitOfSystem(unsigned) {
 
 #endif
 
+std::string notInMetres(unsigned unit) {
+  const std::string number = "unit " + std::to_string(unit) + " of EPSG";
+  switch (unit) {
+    case 9101:
+    case 9102:
+    case 9107:
+    case 9110:
+    case 9122:
+      return "has angles (" + number + ") where a projected system has lengths";
+    case 9002:
+      return "has lengths in feet (" + number + "), not in metres";
+    case 9003:
+      return "has lengths in US survey feet (" + number + "), not in metres";
+    case 9036:
+      return "has lengths in kilometres (" + number + "), not in metres";
+    default:
+      return "has lengths in the " + number + ", not in metres (" + std::to_string(kMetre) + ")";
+  }
+}
+
 }  // namespace espalier::files

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 namespace espalier::files {
 
@@ -10,5 +11,8 @@ inline constexpr unsigned kMetre = 9001;  // EPSG's number of this unit
 /// 9003 US survey foot), from the database of PROJ. Nothing: PROJ is not installed, does not know the system, or it has
 /// several parts with axes of their own.
 [[nodiscard]] std::optional<unsigned> unitOfSystem(unsigned epsg);
+
+/// What a file whose unit is not the metre has: `has lengths in US survey feet (unit 9003 of EPSG), not in metres`.
+[[nodiscard]] std::string notInMetres(unsigned unit);
 
 }  // namespace espalier::files

@@ -100,6 +100,8 @@ class Points(unittest.TestCase):
     def test_withheld_points_are_left_out(self) -> None:
         for minor, form in ((2, 1), (4, 6)):
             self.assertEqual(self.table(self.write("a.las", point_files.las([(0, 0, 0), (1, 1, 1)], minor, form, withheld=[1])))["points"], ["1"])
+            nothing = self.write("b.las", point_files.las([(0, 0, 0), (1, 1, 1)], minor, form, withheld=[0, 1]))
+            self.assertIn("has 2 points, all marked as withheld", self.refused(nothing))
 
     def test_gaps_and_leaf_area_follow_the_law_of_beer(self) -> None:
         # pulses along a narrow column of cells meet leaves of density a by the law exp(-a G d); the rest end at a wall.
@@ -220,9 +222,10 @@ class Points(unittest.TestCase):
         # UTM 33 N with heights above NAVD88, both known by their numbers alone
         named = self.write("named.las", point_files.las(points, records=[point_files.geo_keys((1024, 1), (3072, 32633), (4096, 5703))]))
         self.assertEqual(self.table(named)["unit"], ["m"])
-        for records, says in (([point_files.geo_keys((1024, 1), (3076, 9003))], "has lengths in the unit 9003 of EPSG, which is not the metre"),
-                              ([point_files.geo_keys((1024, 1), (3072, 2263))], "has lengths in the unit 9003 of EPSG, which is not the metre"),
-                              ([point_files.geo_keys((1024, 1), (3072, 32633), (4096, 6360))], "has lengths in the unit 9003 of EPSG"),
+        for records, says in (([point_files.geo_keys((1024, 1), (3076, 9003))], "has lengths in US survey feet (unit 9003"),
+                              ([point_files.geo_keys((1024, 1), (3072, 2263))], "has lengths in US survey feet (unit 9003"),
+                              ([point_files.geo_keys((1024, 1), (3072, 32633), (4096, 6360))], "has lengths in US survey feet (unit 9003"),
+                              ([point_files.geo_keys((1024, 1), (3072, 4326))], "has angles (unit 9122"),
                               ([point_files.geo_keys((1024, 2))], "has coordinates in degrees. Convert it to a projection in metres"),
                               ([point_files.record("LASF_Projection", 2112, b'PROJCS["a",UNIT["US survey foot",0.3048]]')], "has lengths in feet"),
                               ([point_files.record("LASF_Projection", 2112, b'GEOGCS["WGS 84"]')], "has coordinates in degrees")):

@@ -109,7 +109,7 @@ class Terrain(unittest.TestCase):
         self.assertEqual(self.heights(self.write("navd88.tif", geotiff(hills(), ((1024, 1), (3072, 32633), (4096, 5703)))))[1]["unit"], "m")
         for keys in (((1024, 1), (3072, 2263)), ((1024, 1), (3072, 2263), (4096, 6360)), ((1024, 1), (3072, 32633), (4096, 6360))):
             run = espalier("field", str(self.write("feet.tif", geotiff(hills(), keys))), status=1)
-            self.assertIn("has lengths in the unit 9003 of EPSG, which is not the metre", run.stderr)
+            self.assertIn("has lengths in US survey feet (unit 9003", run.stderr)
 
     @unittest.skipUnless(shutil.which("gdalinfo") and shutil.which("gdal_translate"), "gdal-bin is not installed")
     def test_gdal_agrees(self) -> None:
@@ -149,8 +149,8 @@ class Terrain(unittest.TestCase):
                               (b"text", "is no TIFF file, or is damaged"),
                               (whole[:len(whole) // 2], "is no TIFF file, or is damaged"),
                               (geotiff(hills(), ((1024, 2),)), "has coordinates in degrees. Convert it to a projection in metres"),
-                              (geotiff(hills(), ((1024, 1), (3076, 9002))), "has lengths in the unit 9002 of EPSG, which is not the metre"),
-                              (geotiff(hills(), ((1024, 1), (4099, 9003))), "has lengths in the unit 9003 of EPSG, which is not the metre"),
+                              (geotiff(hills(), ((1024, 1), (3076, 9002))), "has lengths in feet (unit 9002"),
+                              (geotiff(hills(), ((1024, 1), (4099, 9003))), "has lengths in US survey feet (unit 9003"),
                               (geotiff(hills(), items=b'<Item role="scale">inf</Item>'), "has a scale or an offset that is no finite number"),
                               (geotiff(hills(), is_placed=False), "does not say where it lies"),
                               (geotiff([[1.0, 2.0]]), "has 2 x 1 heights. A ground needs at least 2 x 2"),

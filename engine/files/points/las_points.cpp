@@ -143,7 +143,7 @@ std::optional<std::string> problemOfKeys(const LasBytes& file, std::uint64_t at,
   const auto across = unitOf(kProjectedUnit, kProjectedSystem);
   for (const auto& unit : {across, unitOf(kVerticalUnit, kVerticalSystem)}) {
     if (unit && *unit != kMetre) {
-      return "has lengths in the unit " + std::to_string(*unit) + " of EPSG, which is not the metre (9001)" + kAsMetres;
+      return notInMetres(*unit) + kAsMetres;
     }
   }
   isMetre = isMetre || across.has_value();
@@ -218,6 +218,11 @@ PointCloudOrProblem readLasPoints(std::string_view bytes) {
     cloud.classes.push_back(static_cast<std::uint8_t>(isLong ? file.integer(at + 16, 1) : flags & 31U));
     const std::uint64_t count = isLong ? echoes >> 4U : (echoes >> 3U) & 7U;
     cloud.returns.push_back(static_cast<std::uint8_t>(std::max<std::uint64_t>(count, 1)));
+  }
+  if (cloud.points.empty() && header->count > 0) {
+    return tl::unexpected(
+        "has " + std::to_string(header->count) +
+        " points, all marked as withheld, which says that they are not to be used. Choose another file");
   }
   return cloud;
 }

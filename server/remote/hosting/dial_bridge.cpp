@@ -203,7 +203,8 @@ class DialBridge::Implementation {
     }
     socket.set_option(tcp::no_delay(true));
     if (kind == "ws") {
-      co_return co_await upgrade(std::make_shared<websocket::stream<tcp::socket, false>>(std::move(socket)), place, path);
+      co_return co_await upgrade(std::make_shared<websocket::stream<tcp::socket, false>>(std::move(socket)), place,
+                                 path);
     }
 
     tls_.set_default_verify_paths();
@@ -228,7 +229,8 @@ class DialBridge::Implementation {
     }
     if (kind == "wss") {
       co_return co_await upgrade(
-          std::make_shared<websocket::stream<asio::ssl::stream<tcp::socket>, false>>(std::move(encrypted)), place, path);
+          std::make_shared<websocket::stream<asio::ssl::stream<tcp::socket>, false>>(std::move(encrypted)), place,
+          path);
     }
     auto far = std::make_shared<asio::ssl::stream<tcp::socket>>(std::move(encrypted));
     pump_ = [this, far](bool isTowardsFar) { return isTowardsFar ? passOn(near_, *far) : passOn(*far, near_); };
@@ -236,7 +238,8 @@ class DialBridge::Implementation {
   }
 
   template <typename Stream>
-  asio::awaitable<Problem> upgrade(std::shared_ptr<websocket::stream<Stream, false>> far, std::string host, std::string path) {
+  asio::awaitable<Problem> upgrade(std::shared_ptr<websocket::stream<Stream, false>> far, std::string host,
+                                   std::string path) {
     far->read_message_max(0);
     const auto [refused] = co_await far->async_handshake(host, path, kAsTuple);
     if (refused) {

@@ -216,8 +216,7 @@ class GeoTiff {
     }
     for (const auto& unit : {across, upward}) {
       if (unit && *unit != files::kMetre) {
-        return "has lengths in the unit " + std::to_string(*unit) + " of EPSG, which is not the metre (9001)" +
-               kAsMetres;
+        return files::notInMetres(*unit) + kAsMetres;
       }
     }
     terrain_.lengthUnit = across ? "m" : "";
