@@ -306,6 +306,22 @@ TEST(Forest, ALostSeedIsToldSo) {
   EXPECT_NE(forest->stringText(0).find("?Seed(-1)"), std::string::npos) << forest->stringText(0);
 }
 
+TEST(Forest, AShortModelEndsWithItsCompany) {
+  const auto lasting = [](const std::string& steps) {
+    return compileText("Lsystem: 1\nderivation length: " + steps +
+                       "\nAxiom: A(0)\nA(n) --> A(GetDerivationLength(0))\nendlsystem\n");
+  };
+  Simulation alone({lasting("2")}, {at(0, 0)}, nullptr, {});
+  Simulation together({lasting("2"), lasting("5")}, {at(0, 0, 0), at(1, 0, 1)}, nullptr, {});
+  for (Simulation* simulation : {&alone, &together}) {
+    expectSuccess(simulation->rewind());
+    expectSuccess(simulation->step());
+  }
+  EXPECT_EQ(alone.stringText(0), "A(2)");
+  EXPECT_EQ(together.stringText(0), "A(5)");
+  EXPECT_EQ(together.stringText(1), "A(5)");
+}
+
 TEST(Forest, AModelThatIsNotThereIsAnErrorThatNamesTheModule) {
   const auto program = compileText(
       "Lsystem: 1\nModule: ?Seed(asks, model)\nderivation length: 3\nAxiom: F?Seed(1,3)\nF --> F\nendlsystem\n");
