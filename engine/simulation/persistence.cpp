@@ -181,6 +181,8 @@ Simulation::Implementation::Outcome Simulation::Implementation::resume(SnapshotC
 
 /// Says how the strings differ from those of the run before.
 void Simulation::Implementation::noteRestored(const Run& before) {
+  // the plants may stand elsewhere
+  changes_.forget(ChangeReader::Queries);
   if (!changes_.isFollowed()) {
     return;
   }

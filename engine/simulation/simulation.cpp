@@ -146,6 +146,10 @@ const SimulationOptions& Simulation::options() const {
   return implementation_->options();
 }
 
+std::uint64_t Simulation::keptBytes() const {
+  return implementation_->keptBytes();
+}
+
 turtle::EnvironmentProcess* Simulation::environment() {
   return implementation_->environment().process();
 }

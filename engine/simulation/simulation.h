@@ -140,6 +140,8 @@ class Simulation {
   [[nodiscard]] derivation::DerivationOptions derivationOptions(std::size_t plant = 0) const;
   [[nodiscard]] std::string stringText(std::size_t plant = 0) const;
   [[nodiscard]] const StepStatistics& statistics() const;
+  /// Of memory that a step keeps for the next one, beside strings and environment: at most 32 for each module.
+  [[nodiscard]] std::uint64_t keptBytes() const;
   /// The Program of a plant; of a simulation without plants the first.
   [[nodiscard]] const language::Program& program(std::size_t plant = 0) const;
   [[nodiscard]] const Programs& programs() const;

@@ -42,7 +42,7 @@ class Simulation::Implementation {
   [[nodiscard]] Outcome answer();
   [[nodiscard]] Outcome draw(turtle::InterpretationOutput output);
   [[nodiscard]] std::shared_ptr<const PlantsView> takeView();
-  void followChanges(bool isWanted) { changes_.follow(isWanted); }
+  void followChanges(bool isWanted) { changes_.follow(ChangeReader::Views, isWanted); }
   [[nodiscard]] std::uint64_t stateHash() const;
   [[nodiscard]] std::uint64_t plantsHash() const;
   void save(core::ByteSink& sink) const;
@@ -56,6 +56,7 @@ class Simulation::Implementation {
   [[nodiscard]] const StepTransaction& transaction() const { return transaction_; }
   [[nodiscard]] const EnvironmentLink& environment() const { return environment_; }
   [[nodiscard]] const StepStatistics& statistics() const { return statistics_; }
+  [[nodiscard]] std::uint64_t keptBytes() const { return answerPass_.bytes(); }
   [[nodiscard]] std::uint64_t completedSteps() const { return completedSteps_; }
 
  private:

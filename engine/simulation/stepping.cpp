@@ -54,6 +54,7 @@ Simulation::Implementation::Implementation(Programs programs, std::vector<PlantO
                                     .derivations = derivations_,
                                     .population = population_,
                                     .transaction = transaction_,
+                                    .changes = changes_,
                                     .births = births_,
                                     .environment = environment_,
                                     .drawing = drawing_,
@@ -204,6 +205,8 @@ void Simulation::Implementation::undoStep() {
   } else if (transaction_.isAnswered()) {
     changes_.forget();
   }
+  // the pass may have ended half-way
+  changes_.forget(ChangeReader::Queries);
   transaction_.takeBack(population_.states());
   births_.clear();
 }
@@ -318,7 +321,7 @@ std::shared_ptr<const PlantsView> Simulation::Implementation::takeView() {
   if (viewOptions_ == nullptr) {
     viewOptions_ = std::make_shared<const SimulationOptions>(options_);
   }
-  view->base = changes_.isKnown() ? viewNumber_ : 0;
+  view->base = changes_.isKnown(ChangeReader::Views) ? viewNumber_ : 0;
   view->number = ++viewNumber_;
   view->options = viewOptions_;
   view->programs = models_.programs();
@@ -327,7 +330,7 @@ std::shared_ptr<const PlantsView> Simulation::Implementation::takeView() {
   for (derivation::PlantState& state : population_.states()) {
     view->plants.push_back(sharedState(state));
   }
-  view->changes = changes_.take(population_.states());
+  view->changes = changes_.take(ChangeReader::Views, population_.states());
   view->statistics = statistics_;
   view->completedSteps = completedSteps_;
   view->isFinished = population_.isFinished(completedSteps_);

@@ -44,8 +44,10 @@ class HostedSimulation {
   /// The names by which queries address the environments.
   [[nodiscard]] const std::vector<std::string>& processNames() const { return processNames_; }
   [[nodiscard]] bool isSaved() const { return isSaved_; }
-  /// The strings, which are kept twice: a step reads one copy and writes the other.
-  [[nodiscard]] std::uint64_t stringBytes() const { return 2 * simulation_->statistics().bytes; }
+  /// The strings, which are kept twice: a step reads one copy and writes the other. And what a step knows about them.
+  [[nodiscard]] std::uint64_t stringBytes() const {
+    return 2 * simulation_->statistics().bytes + simulation_->keptBytes();
+  }
   [[nodiscard]] std::uint64_t environmentBytes() const {
     const std::int64_t bytes = *environmentBytes_;
     return bytes > 0 ? static_cast<std::uint64_t>(bytes) : 0;

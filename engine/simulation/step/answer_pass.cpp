@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,20 @@
 #include "engine/turtle/scene/geometry.h"
 
 namespace espalier::simulation {
+namespace {
+
+constexpr std::uint64_t kLongString = 10'000;  // modules; a shorter one is interpreted as fast as it is compared
+constexpr std::uint32_t kRest = 8;             // passes of a model that changes much, until it is tried again
+
+std::uint64_t keptModules(const derivation::StepChanges& changes) {
+  std::uint64_t sum = 0;
+  for (const derivation::KeptModules& run : changes.kept()) {
+    sum += run.modules;
+  }
+  return sum;
+}
+
+}  // namespace
 
 void AnswerPass::run(std::uint64_t completedSteps) {
   completedSteps_ = completedSteps;
@@ -33,6 +48,12 @@ void AnswerPass::interpret() {
   Population& population = parts_.population;
   turtle::EnvironmentNeeds needs = parts_.environment.description().needs;
   needs.position = needs.position || parts_.models.hasLifeQueries();
+  const bool wasKnown = parts_.changes.isKnown(ChangeReader::Queries);
+  parts_.changes.follow(ChangeReader::Queries, wantsChanges());
+  const auto changes = parts_.changes.take(ChangeReader::Queries, population.states());
+  stretches_.resize(population.states().size());
+  std::uint64_t modules = 0;
+  std::uint64_t kept = 0;
   for (std::size_t plant = 0; plant < population.states().size(); ++plant) {
     const PlantOrigin& origin = population.member(plant).origin;
     if (!population.member(plant).isAlive() || !population.program(plant).hasQueries) {
@@ -47,15 +68,50 @@ void AnswerPass::interpret() {
     output.queryParameterOffsets = &queryOffsets_;
     output.changes = &parts_.transaction.changesOf(plant);
     const std::size_t firstQuery = queries_.size();
-    population.interpreter(plant).interpret(population.derivation(plant), state, static_cast<std::uint32_t>(plant),
-                                            origin.placement, output);
+    turtle::Interpreter& interpreter = population.interpreter(plant);
+    const auto number = static_cast<std::uint32_t>(plant);
+    const std::uint64_t keptHere = keptModules(changes[plant]);
+    if (interpreter.mayTakeOver() && keptHere > state.string.size() / 2) {
+      interpreter.takeOver(population.derivation(plant), state, number, origin.placement, output, changes[plant],
+                           stretches_[plant]);
+    } else {
+      stretches_[plant].forget();
+      interpreter.interpret(population.derivation(plant), state, number, origin.placement, output);
+    }
+    modules += state.string.size();
+    kept += stretches_[plant].isWhole() ? keptHere : 0;
     parts_.models.toCommonSymbols(origin.model, firstQuery, queries_);
+  }
+  if (wasKnown && kept * 2 < modules) {
+    rest_ = kRest;
+  } else if (rest_ > 0) {
+    --rest_;
   }
   parts_.statistics.queries = queries_.size();
   if (parts_.models.hasLifeQueries()) {
     parts_.births.takeQueries(parts_.models, population, parts_.options, parts_.derivations.seed(), completedSteps_,
                               queries_, queryOffsets_);
   }
+}
+
+std::uint64_t AnswerPass::bytes() const {
+  return std::accumulate(stretches_.begin(), stretches_.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const turtle::QueryStretches& it) { return sum + it.bytes(); });
+}
+
+bool AnswerPass::wantsChanges() const {
+  // iterations interpret other strings in between
+  if (parts_.options.coupling.iterations > 1 || rest_ > 0) {
+    return false;
+  }
+  const Population& population = parts_.population;
+  for (std::size_t plant = 0; plant < population.states().size(); ++plant) {
+    if (population.program(plant).hasQueries && population.states()[plant].string.size() >= kLongString &&
+        population.interpreter(plant).mayTakeOver()) {
+      return true;
+    }
+  }
+  return false;
 }
 
 void AnswerPass::consultEnvironment() {

@@ -9,8 +9,10 @@
 #include "engine/simulation/plants/population.h"
 #include "engine/simulation/simulation.h"
 #include "engine/simulation/step/births_and_deaths.h"
+#include "engine/simulation/step/change_log.h"
 #include "engine/simulation/step/environment_link.h"
 #include "engine/simulation/step/step_transaction.h"
+#include "engine/turtle/interpretation/query_stretches.h"
 
 namespace espalier::simulation {
 
@@ -25,6 +27,7 @@ class AnswerPass {
     const DerivationFactory& derivations;
     Population& population;
     StepTransaction& transaction;
+    ChangeLog& changes;
     BirthsAndDeaths& births;
     EnvironmentLink& environment;
     PlantDrawing& drawing;
@@ -34,9 +37,13 @@ class AnswerPass {
 
   /// Throws SimulationFailure; the transaction then takes back what was written.
   void run(std::uint64_t completedSteps);
+  /// Of memory that the pass keeps for the next one.
+  [[nodiscard]] std::uint64_t bytes() const;
 
  private:
   void interpret();
+  /// Whether it would pay to know what will have changed until the next pass.
+  [[nodiscard]] bool wantsChanges() const;
   void consultEnvironment();
   void tickEnvironment();
   void exchange();
@@ -56,6 +63,8 @@ class AnswerPass {
   [[noreturn]] void fail(const turtle::EnvironmentError& error) const;
 
   Parts parts_;
+  std::vector<turtle::QueryStretches> stretches_;  // of the last pass, by plant
+  std::uint32_t rest_ = 0;                         // passes to come that do not follow the changes
   // of the step under way
   std::uint64_t completedSteps_ = 0;
   turtle::QueryBatch queries_;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "engine/derivation/state/plant_state.h"
@@ -8,34 +10,40 @@
 
 namespace espalier::simulation {
 
-/// Joins what happens to the strings of plants between two views of a simulation: answers, steps, edits, restores.
+/// Who wants to know what happened to the strings since it looked at them: the views of a simulation, the pass that
+/// puts the queries.
+enum class ChangeReader : std::uint8_t { Views, Queries };
+
+/// Joins what happens to the strings of plants between two looks of a reader at them: answers, steps, edits, restores.
 class ChangeLog {
  public:
-  void follow(bool isWanted) {
-    isFollowed_ = isWanted;
-    if (!isWanted) {
-      forget();
-    }
-  }
-  [[nodiscard]] bool isFollowed() const { return isFollowed_; }
-  /// Whether take() was called before and nothing was forgotten since.
-  [[nodiscard]] bool isKnown() const { return isKnown_; }
+  void follow(ChangeReader reader, bool isWanted);
+  /// By any reader.
+  [[nodiscard]] bool isFollowed() const;
+  /// Whether the reader called take() before and nothing was forgotten since.
+  [[nodiscard]] bool isKnown(ChangeReader reader) const { return of(reader).isKnown; }
 
   /// The string of a plant has changed.
   void add(std::size_t plant, const derivation::StepChanges& changes);
   /// The plants have become others.
-  void forget() {
-    isKnown_ = false;
-    changes_.clear();
-  }
-  /// By plant: the changes since the last call. These are the plants now.
-  [[nodiscard]] std::vector<derivation::StepChanges> take(const std::vector<derivation::PlantState>& plants);
+  void forget();
+  void forget(ChangeReader reader);
+  /// By plant: the changes since the reader's last call. These are the plants now.
+  [[nodiscard]] std::vector<derivation::StepChanges> take(ChangeReader reader,
+                                                          const std::vector<derivation::PlantState>& plants);
 
  private:
-  bool isFollowed_ = false;
-  bool isKnown_ = false;
-  std::vector<derivation::StepChanges> changes_;  // by plant; plants that came since are missing
-  derivation::StepChanges joined_;                // working memory
+  struct Reading {
+    bool isFollowed = false;
+    bool isKnown = false;
+    std::vector<derivation::StepChanges> changes;  // by plant; plants that came since are missing
+  };
+
+  [[nodiscard]] Reading& of(ChangeReader reader) { return readings_[static_cast<std::size_t>(reader)]; }
+  [[nodiscard]] const Reading& of(ChangeReader reader) const { return readings_[static_cast<std::size_t>(reader)]; }
+
+  std::array<Reading, 2> readings_;  // by ChangeReader
+  derivation::StepChanges joined_;   // working memory
 };
 
 }  // namespace espalier::simulation

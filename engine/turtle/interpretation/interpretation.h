@@ -56,6 +56,14 @@ class Interpretation {
     std::vector<std::uint32_t> outer;  // records before it that its own grow from; kOuterRecord + i is the i-th
   };
 
+  /// The turtle as far as a query tells it.
+  struct QueryPlace {
+    core::Vec3 position;
+    core::Frame frame;
+    double width = 1.0;
+    double scale = 1.0;
+  };
+
   Interpretation(const Subject& subject, const InterpretationOutput& output);
 
   /// The whole string.
@@ -79,6 +87,9 @@ class Interpretation {
   /// The turtle's states at the open brackets, the outermost first.
   [[nodiscard]] std::vector<TurtleState>& openBranches() { return stack_; }
   [[nodiscard]] const std::vector<TurtleState>& openBranches() const { return stack_; }
+  /// Puts a query of the string, whose E(x) is `module` with parameters at `offset`, as if the turtle came to it here.
+  /// The caller sets the turtle's state afterwards.
+  void askAgain(std::uint64_t module, std::uint64_t offset, const QueryPlace& place);
   /// walkOne notes closed branches here; null: nowhere.
   void noteIn(StretchNotes* notes) { notes_ = notes; }
 

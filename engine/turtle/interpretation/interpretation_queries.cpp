@@ -24,6 +24,17 @@ std::uint64_t Interpretation::executeQuery(const Sequence& sequence, std::uint64
   return fillQuery(character, sequence, offset, program_.arity[type]) ? 2 : 1;
 }
 
+void Interpretation::askAgain(std::uint64_t module, std::uint64_t offset, const QueryPlace& place) {
+  state_.position = place.position;
+  state_.frame = place.frame;
+  state_.width = place.width;
+  state_.scale = place.scale;
+  module_ = module - 1;
+  communicate(
+      {plantState_.string.types().data(), plantState_.string.parameters().data(), plantState_.string.size(), false},
+      module, offset);
+}
+
 bool Interpretation::fillQuery(char character, const Sequence& sequence, std::uint64_t offset, std::uint16_t arity) {
   const auto fillVector = [&](const Vec3& v) { fill(sequence, offset, arity, std::array{v.x, v.y, v.z}); };
   switch (character) {

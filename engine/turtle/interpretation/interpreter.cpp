@@ -2,12 +2,16 @@
 
 #include "engine/turtle/interpretation/interpretation.h"
 #include "engine/turtle/interpretation/parted_interpretation.h"
+#include "engine/turtle/interpretation/query_stretches.h"
 #include "engine/turtle/interpretation/record_chain_builder.h"
 
 namespace espalier::turtle {
 
 Interpreter::Interpreter(const language::Program& program)
-    : program_(&program), tables_(program), parted_(std::make_unique<PartedInterpretation>()) {}
+    : program_(&program),
+      tables_(program),
+      mayTakeOver_(!tables_.hasImages && isRepeatable(program)),
+      parted_(std::make_unique<PartedInterpretation>()) {}
 
 Interpreter::~Interpreter() = default;
 
@@ -17,6 +21,12 @@ void Interpreter::interpret(derivation::Derivation& derivation, derivation::Plan
   if (!parted_->run(subject, output)) {
     Interpretation(subject, output).run();
   }
+}
+
+void Interpreter::takeOver(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
+                           const PlantPlacement& placement, const InterpretationOutput& output,
+                           const derivation::StepChanges& changes, QueryStretches& known) {
+  known.run({*program_, tables_, reported_, derivation, state, plant, placement}, output, changes);
 }
 
 void Interpreter::appendRecords(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,

@@ -19,6 +19,7 @@
 namespace espalier::turtle {
 
 class PartedInterpretation;
+class QueryStretches;
 struct RecordChain;
 
 /// Where a plant stands: the turtle starts here.
@@ -70,6 +71,14 @@ class Interpreter {
   void interpret(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
                  const PlantPlacement& placement, const InterpretationOutput& output);
 
+  /// Whether takeOver may be used: the Program is repeatable (record_chain.h) and has no homomorphism.
+  [[nodiscard]] bool mayTakeOver() const { return mayTakeOver_; }
+  /// interpret() as an environment pass, which takes over what `changes`, since the pass before over this plant, left
+  /// alone. `known` is of that pass, and then of this one. `output` has `queries`, and nothing that is drawn.
+  void takeOver(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
+                const PlantPlacement& placement, const InterpretationOutput& output,
+                const derivation::StepChanges& changes, QueryStretches& known);
+
   /// Appends the next plant's records to `chain` (record_chain.h), bit for bit those that interpret() makes. Stretches
   /// of `base` (null: nothing is known), which must have the plant with the same Program and placement, are taken where
   /// `changes` (from the base's string to this one) kept their modules and the turtle is the same before them. The rest
@@ -82,6 +91,7 @@ class Interpreter {
  private:
   const language::Program* program_;
   InterpretationTables tables_;
+  bool mayTakeOver_;
   std::set<std::string> reported_;  // warnings already given
   std::unique_ptr<PartedInterpretation> parted_;
 };

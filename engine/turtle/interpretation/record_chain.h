@@ -7,6 +7,7 @@
 
 #include "engine/core/identifiers.h"
 #include "engine/turtle/interpretation/interpreter.h"
+#include "engine/turtle/interpretation/turtle_passage.h"
 #include "engine/turtle/scene/scene.h"
 #include "engine/turtle/turtle_state.h"
 
@@ -16,19 +17,6 @@ namespace espalier::turtle {
 /// before the part: the outer record number `number - kOuterRecord`. Outer records are that of the part's entry, then
 /// those of the branches that the part closes.
 inline constexpr std::uint32_t kOuterRecord = 0x80000000;
-
-/// The turtle before and behind a part of a string. Where the same modules follow the same turtle again, they give the
-/// same records, wherever they are in the string.
-struct TurtlePassage {
-  TurtleState entry;                // before it
-  std::vector<TurtleState> closed;  // at the branches open before it that it closes, the innermost first
-  TurtleState exit;                 // after it; records count from the part's first, or are outer ones
-  std::vector<TurtleState> opened;  // at the branches that it leaves open, the outermost first; records as above
-  bool endsString = false;          // nothing was behind it
-  std::uint64_t modules = 0;        // of the part
-  std::uint64_t parameters = 0;     // of its modules
-  std::uint32_t records = 0;        // that it gave
-};
 
 /// The records of a stretch of a plant's string of about a hundred modules.
 struct RecordStretch {

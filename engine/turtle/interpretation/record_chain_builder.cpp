@@ -1,8 +1,6 @@
 #include "engine/turtle/interpretation/record_chain_builder.h"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <utility>
 
 namespace espalier::turtle {
@@ -10,39 +8,6 @@ namespace {
 
 // a group that follows joins the stretches before it when they are no more together: there are few small groups
 constexpr std::size_t kJoinedStretches = 48;
-
-template <typename T>
-bool haveSameBytes(const T& a, const T& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
-bool haveSameBits(const core::Frame& a, const core::Frame& b) {
-  return haveSameBytes(a.heading, b.heading) && haveSameBytes(a.left, b.left) && haveSameBytes(a.up, b.up);
-}
-
-/// Whether a turtle does the same as another. Records only name parents: it matters whether there is one.
-bool isSame(const TurtleState& a, const TurtleState& b) {
-  const auto numbersOf = [](const TurtleState& s) {
-    return std::array{s.width,           s.scale, s.oldElasticity, s.startTangent, s.endTangent, s.startRadiusTangent,
-                      s.endRadiusTangent};
-  };
-  const auto countsOf = [](const TurtleState& s) {
-    return std::array<std::uint32_t, 9>{s.branchOrder,
-                                        static_cast<std::uint32_t>(s.colour),
-                                        static_cast<std::uint32_t>(s.backColour),
-                                        static_cast<std::uint32_t>(s.contour),
-                                        static_cast<std::uint32_t>(s.contourSides),
-                                        static_cast<std::uint32_t>(s.texture),
-                                        s.cylinder,
-                                        s.cylinderOrder,
-                                        s.segment};
-  };
-  return haveSameBytes(a.position, b.position) && haveSameBits(a.frame, b.frame) &&
-         haveSameBits(a.otherFrame, b.otherFrame) && haveSameBytes(a.previousHeading, b.previousHeading) &&
-         haveSameBytes(a.previousUp, b.previousUp) && haveSameBytes(a.elasticity, b.elasticity) &&
-         haveSameBytes(numbersOf(a), numbersOf(b)) && countsOf(a) == countsOf(b) &&
-         a.hasSmoothRadius == b.hasSmoothRadius && (a.record == kNoParent) == (b.record == kNoParent);
-}
 
 std::uint64_t bytesOf(const RecordStretch& stretch) {
   std::uint64_t sum = sizeof stretch +
@@ -139,10 +104,7 @@ bool RecordChainBuilder::stretchFollows() const {
 }
 
 bool RecordChainBuilder::isReached(const TurtlePassage& passage) const {
-  const std::vector<TurtleState>& open = interpretation_.openBranches();
-  return (!passage.endsString || module_ + passage.modules == string_.size()) &&
-         isSame(passage.entry, interpretation_.state()) && open.size() >= passage.closed.size() &&
-         std::equal(passage.closed.begin(), passage.closed.end(), open.rbegin(), isSame);
+  return passage.isSameFor(interpretation_.state(), interpretation_.openBranches(), string_.size() - module_);
 }
 
 std::uint32_t RecordChainBuilder::resolved(std::uint32_t number) const {

@@ -190,6 +190,32 @@ TEST(ViewDrawing, ChangesBetweenViewsAreRightWhateverHappened) {
   EXPECT_GT(kept, 400'000U);
 }
 
+TEST(ViewDrawing, RecordsBehindATurtleThatChangedInPlaceAreNew) {
+  // the turtle stays where it is for longer than a stretch of records, and only then shows what it was given
+  std::string tail;
+  for (int i = 0; i < 300; ++i) {
+    tail += i < 150 ? "F(0)" : "F+";
+  }
+  for (const std::string setter : {"@A(x)", "!(x)", ";(x)", ",(x)", "+(x)", "&(x)", "@X&(x)@X"}) {
+    SCOPED_TRACE(setter);
+    const std::size_t value = setter.find("(x)");
+    const std::string module = setter.substr(value - 1, 1);
+    TestRun run(compileText("Lsystem: 1\nderivation length: 9\nAxiom: " + setter.substr(0, value) + "(2)" +
+                            setter.substr(value + 3) + tail + "@X" + tail + "\n" + module + "(x) : x > 1 --> " +
+                            module + "(x+1)\nendlsystem\n"));
+    Simulation& simulation = run.simulation;
+    expectSuccess(simulation.rewind());
+    simulation.followChanges(true);
+    ViewDrawing drawing;
+    for (int step = 0; step < 3; ++step) {
+      drawing.show(simulation.takeView());
+      const auto chain = std::get<std::shared_ptr<const turtle::RecordChain>>(drawing.recordChain());
+      ASSERT_TRUE(areSame(recordsOf(*chain, 1), recordsOf(simulation)));
+      expectSuccess(simulation.step());
+    }
+  }
+}
+
 TEST(ViewDrawing, AViewStaysAsItIsAndCopiesNoString) {
   TestRun run(compileText("Lsystem: 1\nderivation length: 9\nAxiom: A?E(1)?P(0,0,0)\nA --> F(1)A\nendlsystem\n"));
   Simulation& simulation = run.simulation;
