@@ -449,6 +449,33 @@ test("a server with a token asks for it", async () => {
   await stopped(closed.server);
 });
 
+test("the text is made wider and narrower, by mouse and by keys, and long lines go on below", async () => {
+  const page = await open(SMALL());
+  const width = () => page.evaluate(() => Math.round(document.querySelector(".text").getBoundingClientRect().width));
+  const usual = await width();
+  const divider = page.locator('[role="separator"]');
+  const { x, y } = await divider.boundingBox();
+  await page.mouse.move(x + 4, y + 60);
+  await page.mouse.down();
+  await page.mouse.move(x + 104, y + 80, { steps: 4 });
+  await page.mouse.up();
+  const wide = await width();
+  assert.ok(Math.abs(wide - usual - 104) <= 8, `${usual}, then ${wide}`);
+  // the arrows belong to the divider, not to time
+  const step = await page.evaluate(() => studio.step);
+  await divider.press("ArrowLeft");
+  assert.equal(await width(), wide - 24);
+  assert.equal(await page.evaluate(() => studio.step), step);
+  // the whole of a long line can be read, and the width is still there when the page opens again
+  assert.ok(await page.evaluate(() => { const code = document.querySelector(".cm-scroller"); return code.scrollWidth <= code.clientWidth + 1; }));
+  await page.reload();
+  await shown(page);
+  assert.equal(await width(), wide - 24);
+  await divider.dblclick({ position: { x: 4, y: 60 } });
+  assert.equal(await width(), usual);
+  await page.close();
+});
+
 test("axe finds nothing serious, in light and dark, and the keyboard reaches everything", async () => {
   const page = await open(SMALL());
   for (const theme of ["light", "dark"]) {

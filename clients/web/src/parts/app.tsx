@@ -2,6 +2,7 @@
 import { useEffect, useReducer, useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
 import { onNextFrame } from "../view/frames.js";
+import { Divider, useTextWidth } from "./divider.js";
 import { ExportDialog, GalleryDialog, HelpDialog, ShareDialog } from "./dialogs.js";
 import { IconButton } from "./icons.js";
 import { Side } from "./side.js";
@@ -30,6 +31,7 @@ export function App({ studio }: { studio: Studio }) {
   const [open, setOpen] = useState<Window>(null);
   const [tab, setTab] = useState<Tab>("Parameters");
   const [isTextShown, setTextShown] = useState(true);
+  const [textWidth, setTextWidth] = useTextWidth();
   useEffect(() => {
     // many changes make one picture
     let isWaiting = false;
@@ -72,9 +74,9 @@ export function App({ studio }: { studio: Studio }) {
         <IconButton icon="help" label="Keyboard (?)" onClick={() => setOpen("help")} />
         <span class={`lamp ${studio.connection}`} title={studio.connection} />
       </header>
-      <main>
+      <main style={textWidth === null ? {} : { "--text-width": `min(${textWidth}px, 70vw)` }}>
         <TextPane studio={studio} />
-        <button type="button" class="fold" aria-label={isTextShown ? "Hide the text" : "Show the text"} title={isTextShown ? "Hide the text" : "Show the text"} onClick={() => setTextShown(!isTextShown)}>{isTextShown ? "‹" : "›"}</button>
+        <Divider isTextShown={isTextShown} onFold={() => setTextShown(!isTextShown)} onWidth={setTextWidth} />
         <section class="middle" aria-label="Plant">
           <Stage studio={studio} onPick={() => setTab("Module")} />
           <Timeline studio={studio} />

@@ -139,6 +139,7 @@ export class Editor {
         highlightActiveLine(),
         highlightActiveLineGutter(),
         drawSelection(),
+        EditorView.lineWrapping,
         history(),
         bracketMatching(),
         closeBrackets(),
