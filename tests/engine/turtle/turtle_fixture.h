@@ -16,6 +16,17 @@
 
 namespace espalier::turtle {
 
+/// Of a query, everything that a process can need.
+constexpr EnvironmentNeeds kAllButGeometry{.position = true,
+                                           .heading = true,
+                                           .left = true,
+                                           .up = true,
+                                           .width = true,
+                                           .scale = true,
+                                           .parameters = true,
+                                           .following = true,
+                                           .geometry = false};
+
 /// A string and a Program that knows its modules, made without the compiler: a symbol is one character, or a declared
 /// name as given; parameters are numbers.
 class TurtleRun {

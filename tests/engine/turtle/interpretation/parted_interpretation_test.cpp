@@ -7,16 +7,6 @@
 namespace espalier::turtle {
 namespace {
 
-constexpr EnvironmentNeeds kEverything{.position = true,
-                                       .heading = true,
-                                       .left = true,
-                                       .up = true,
-                                       .width = true,
-                                       .scale = true,
-                                       .parameters = true,
-                                       .following = true,
-                                       .geometry = false};
-
 // a tree of 2^(depth + 1) - 1 nodes with queries in front of, in and behind branches; `leaf` is at the tips
 std::string tree(int depth, const std::string& leaf) {
   if (depth == 0) {
@@ -32,7 +22,7 @@ const char* const kLeaf = "F(0.5)?E(7)A(1,2)?H(0,0,0)";
 std::optional<core::SimulationError> pass(TurtleRun& run, unsigned threads) {
   run.threads = threads;
   try {
-    run.pass(kEverything);
+    run.pass(kAllButGeometry);
   } catch (const core::SimulationFailure& failure) {
     return failure.error();
   }

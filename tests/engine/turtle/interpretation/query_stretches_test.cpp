@@ -8,16 +8,6 @@
 namespace espalier::turtle {
 namespace {
 
-constexpr EnvironmentNeeds kAllButGeometry{.position = true,
-                                           .heading = true,
-                                           .left = true,
-                                           .up = true,
-                                           .width = true,
-                                           .scale = true,
-                                           .parameters = true,
-                                           .following = true,
-                                           .geometry = false};
-
 // everything that the passage of a turtle depends on, queries of both kinds, cuts, a bracket too many
 const char* const kPart =
     "F(1)!(0.5)?E(1,2)[+(25)F(1)?E(3)@A(0.9)]/(137)?P(0,0,0)[-(31)[&(10)f(1)A(2)]F(0.5)?E(7)~s(1)]F(0)F(0)F(0)%F(2)]"
