@@ -14,9 +14,9 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::string_view kSummary =
+constexpr std::string_view kMultipleSummary =
     "Several environments at once: parameter 1 of a query is the number of its environment.";
-constexpr std::array kKeys{
+constexpr std::array kMultipleKeys{
     ConfigurationKey{
         .name = "fields",
         .kind = KeyKind::Entries,
@@ -34,7 +34,7 @@ class Multiple final : public turtle::EnvironmentProcess {
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     turtle::EnvironmentDescription description = group_.describe();
     description.name = "multiple";
-    description.summary = std::string(kSummary);
+    description.summary = std::string(kMultipleSummary);
     description.needs.parameters = true;
     description.inputs.insert(description.inputs.begin(), {"field", "1", ""});
     return description;
@@ -86,8 +86,8 @@ class Multiple final : public turtle::EnvironmentProcess {
 };
 
 /// One environment of the configuration, without its place in the messages.
-ProcessOrErrors makeMember(const std::string& json) {
-  auto parsed = parseEnvironmentEntries(json);
+ProcessOrErrors makeMember(const std::string& jsonText) {
+  auto parsed = parseEnvironmentEntries(jsonText);
   if (!parsed) {
     return tl::unexpected(std::move(parsed.error()));
   }
@@ -134,9 +134,9 @@ std::unique_ptr<turtle::EnvironmentProcess> makeMultiple(
 }
 
 constinit const ProcessEntry kMultipleProcess{.name = "multiple",
-                                              .summary = kSummary,
+                                              .summary = kMultipleSummary,
                                               .source = "the published program multiple",
-                                              .keys = kKeys,
+                                              .keys = kMultipleKeys,
                                               .make = makeFromConfiguration};
 
 }  // namespace espalier::environment

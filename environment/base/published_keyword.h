@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -11,6 +12,11 @@
 #include "environment/base/published_text.h"
 
 namespace espalier::environment {
+
+/// Words that switch a published keyword on.
+inline constexpr std::array<std::string_view, 1> kOn{"on"};
+inline constexpr std::array<std::string_view, 1> kYes{"yes"};
+inline constexpr std::array<std::string_view, 2> kOnOrYes{"on", "yes"};
 
 /// How a line `keyword: values` of a published specification file becomes a configuration key.
 enum class PublishedKind : std::uint8_t {

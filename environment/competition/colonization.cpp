@@ -27,12 +27,12 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "Space that is marked by points, which buds occupy and compete for.";
+constexpr std::string_view kColonizationSummary = "Space that is marked by points, which buds occupy and compete for.";
 constexpr std::array kMarkerBox{-5.0, 0.0, -5.0, 5.0, 10.0, 5.0};
 constexpr double kMostMarkers = 1e7;
 constexpr std::uint64_t kTriesPerMarker = 1000;
 constexpr double kEveryDirection = -2.0;  // a cosine that no cone falls below
-constexpr std::array kOwnKeys{
+constexpr std::array kColonizationOwnKeys{
     ConfigurationKey{.name = "points",
                      .kind = KeyKind::Rows,
                      .description = "markers at given places x, y, z",
@@ -70,7 +70,7 @@ constexpr std::array kOwnKeys{
                      .maximum = 360.0,
                      .defaultNumber = 90.0},
 };
-constexpr auto kKeys = joinTables(kOwnKeys, kObstacleKeys);
+constexpr auto kColonizationKeys = joinTables(kColonizationOwnKeys, kObstacleKeys);
 
 class Colonization final : public turtle::EnvironmentProcess {
  public:
@@ -92,7 +92,7 @@ class Colonization final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "colonization",
-            .summary = std::string(kSummary),
+            .summary = std::string(kColonizationSummary),
             .needs = {.position = true, .heading = true, .parameters = true},
             .inputs = {{"isBud", "1", ""}},
             .outputs = {{"spaceQuality", "1", ""},
@@ -323,11 +323,11 @@ ProcessOrErrors makeColonization(const Configuration& configuration) {
 
 extern constinit const ProcessEntry kColonizationProcess{
     .name = "colonization",
-    .summary = kSummary,
+    .summary = kColonizationSummary,
     .source =
         "Runions, Lane & Prusinkiewicz 2007, Modeling trees with a space colonization algorithm; Palubicki et al. "
         "2009, Self-organizing tree models for image synthesis",
-    .keys = kKeys,
+    .keys = kColonizationKeys,
     .make = makeColonization};
 
 }  // namespace espalier::environment

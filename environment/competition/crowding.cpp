@@ -28,10 +28,10 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary =
+constexpr std::string_view kCrowdingSummary =
     "Plants that share the ground by zones of influence, thin themselves out and sow.";
 constexpr std::array<std::string_view, 2> kModes{"weighted", "largest"};
-constexpr std::array kKeys{
+constexpr std::array kCrowdingKeys{
     ConfigurationKey{.name = "competition",
                      .kind = KeyKind::Choice,
                      .description =
@@ -126,7 +126,7 @@ class Crowding final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "crowding",
-            .summary = std::string(kSummary),
+            .summary = std::string(kCrowdingSummary),
             .needs = {.position = true, .parameters = true},
             .inputs = {{"radius", lengthUnit_, ""},
                        {"leastShareOrFlight", "1 or " + lengthUnit_, ""},
@@ -389,11 +389,11 @@ ProcessOrErrors makeCrowding(const Configuration& configuration) {
 
 extern constinit const ProcessEntry kCrowdingProcess{
     .name = "crowding",
-    .summary = kSummary,
+    .summary = kCrowdingSummary,
     .source =
         "Gates & Westcott 1978; Weiner et al. 2001, The effects of density, spatial pattern, and competitive symmetry "
         "on size variation in simulated plant populations; Deussen et al. 1998",
-    .keys = kKeys,
+    .keys = kCrowdingKeys,
     .make = makeCrowding};
 
 }  // namespace espalier::environment

@@ -24,10 +24,9 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::string_view kSummary = "A density field made by the tips of a plane pattern, its sources and sinks.";
-constexpr std::array<std::string_view, 1> kOn{"on"};
-constexpr std::array<std::string_view, 1> kYes{"yes"};
-constexpr std::array kKeys{
+constexpr std::string_view kDensitySummary =
+    "A density field made by the tips of a plane pattern, its sources and sinks.";
+constexpr std::array kDensityKeys{
     ConfigurationKey{.name = "onePointValue",
                      .kind = KeyKind::Boolean,
                      .description = "the density at the tip itself instead of the smallest of 6 x 6 samples around it"},
@@ -43,7 +42,7 @@ constexpr std::array kKeys{
     ConfigurationKey{
         .name = "compatible", .kind = KeyKind::Boolean, .description = "sum over all pairs, as the published program"},
 };
-constexpr std::array kPublishedKeywords{
+constexpr std::array kDensityPublishedKeywords{
     PublishedKeyword{
         .keyword = "one point value", .kind = PublishedKind::Switch, .key = "onePointValue", .onWords = kOn},
     PublishedKeyword{.keyword = "return vector", .kind = PublishedKind::Switch, .key = "returnVector", .onWords = kYes},
@@ -67,7 +66,7 @@ double ofSource(double squaredDistance) {
   return 1.0 / (1.0 + std::sqrt(squaredDistance));
 }
 
-struct Answer {
+struct DensityAnswer {
   double density = 0.0;
   double x = 0.0;  // of -gradient
   double y = 0.0;
@@ -84,7 +83,7 @@ class Density final : public turtle::EnvironmentProcess {
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     const std::string perLength = "1/" + lengthUnit_;
     turtle::EnvironmentDescription description{.name = "density",
-                                               .summary = std::string(kSummary),
+                                               .summary = std::string(kDensitySummary),
                                                .needs = {.position = true, .parameters = true},
                                                .inputs = {{"sourceStrength", "1", ""}},
                                                .outputs = {{"density", "1", ""}},
@@ -150,7 +149,8 @@ class Density final : public turtle::EnvironmentProcess {
     return {p.x, p.y, 1.0};
   }
 
-  [[nodiscard]] Answer answerAt(const WeightedPoint& tip, const KernelTree& tips, const KernelTree& sources) const {
+  [[nodiscard]] DensityAnswer answerAt(const WeightedPoint& tip, const KernelTree& tips,
+                                       const KernelTree& sources) const {
     // the tip itself is in the tree and does not count
     const auto densityAt = [&](double x, double y) {
       const double own = ofTip(x * x + y * y);
@@ -160,7 +160,7 @@ class Density final : public turtle::EnvironmentProcess {
       return {densityAt(0.0, 0.0), densityAt(-kReach, 0.0) - densityAt(kReach, 0.0),
               densityAt(0.0, -kReach) - densityAt(0.0, kReach)};
     }
-    Answer answer;
+    DensityAnswer answer;
     double squares = 0.0;
     for (int j = 0; j < kSamples; ++j) {
       for (int i = 0; i < kSamples; ++i) {
@@ -198,7 +198,7 @@ class Density final : public turtle::EnvironmentProcess {
     for (const double offset : offsets) {
       squares += isOnePoint_ ? 0.0 : static_cast<double>(count) * offset * offset;
     }
-    std::vector<Answer> answers(asking.size(), Answer{std::numeric_limits<double>::infinity(), 0.0, 0.0});
+    std::vector<DensityAnswer> answers(asking.size(), DensityAnswer{std::numeric_limits<double>::infinity(), 0.0, 0.0});
     TipField(std::move(points))
         .sumAround(centres, offsets, [&](std::uint32_t centre, std::size_t i, std::size_t j, double sum) {
           // of the middle row and column only, when one point counts
@@ -209,7 +209,7 @@ class Density final : public turtle::EnvironmentProcess {
           const double y = offsets[j];
           const double density =
               sum - ofTip(x * x + y * y) + sources.sum(centres[centre].x + x, centres[centre].y + y, ofSource);
-          Answer& answer = answers[centre];
+          DensityAnswer& answer = answers[centre];
           if (!isOnePoint_ || (i == 1 && j == 1)) {
             answer.density = std::min(answer.density, density);
           }
@@ -221,7 +221,7 @@ class Density final : public turtle::EnvironmentProcess {
     }
   }
 
-  void setAnswer(const turtle::QueryBatch& queries, std::size_t query, const Answer& answer,
+  void setAnswer(const turtle::QueryBatch& queries, std::size_t query, const DensityAnswer& answer,
                  turtle::ReplyBatch& replies) const {
     replies.set(queries, query, 0, answer.density);
     if (returnsVector_) {
@@ -245,10 +245,10 @@ class Density final : public turtle::EnvironmentProcess {
 
 extern constinit const ProcessEntry kDensityProcess{
     .name = "density",
-    .summary = kSummary,
+    .summary = kDensitySummary,
     .source = "Cohen 1967, Computer simulation of biological pattern generation processes",
-    .keys = kKeys,
-    .publishedKeywords = kPublishedKeywords,
+    .keys = kDensityKeys,
+    .publishedKeywords = kDensityPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       return std::make_unique<Density>(configuration);
     }};

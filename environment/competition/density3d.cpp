@@ -23,9 +23,10 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::string_view kSummary = "Counts in the voxels of a box: a query adds to its voxel and reads the sum.";
-constexpr std::array<std::string_view, 2> kOrders{"independent", "published"};
-constexpr std::array kKeys{
+constexpr std::string_view kDensity3dSummary =
+    "Counts in the voxels of a box: a query adds to its voxel and reads the sum.";
+constexpr std::array<std::string_view, 2> kDensity3dOrders{"independent", "published"};
+constexpr std::array kDensity3dKeys{
     sidesKey("range", "size of the box along x, y, z", kUnitSides),
     positionKey(kOrigin),
     gridSizeKey(kUnitSides, "number of voxels along x, y, z", 1048576.0),
@@ -42,9 +43,9 @@ constexpr std::array kKeys{
         .description =
             "independent: read the sum after all queries of the step; published: after the own query, in string order",
         .defaultText = "independent",
-        .choices = kOrders},
+        .choices = kDensity3dOrders},
 };
-constexpr std::array kPublishedKeywords{
+constexpr std::array kDensity3dPublishedKeywords{
     PublishedKeyword{.keyword = "range", .kind = PublishedKind::Numbers, .key = "range", .count = 3},
     PublishedKeyword{.keyword = "position", .kind = PublishedKind::Numbers, .key = "position", .count = 3},
     PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Numbers, .key = "gridSize", .count = 3},
@@ -114,7 +115,7 @@ class Density3d final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "density3d",
-            .summary = std::string(kSummary),
+            .summary = std::string(kDensity3dSummary),
             .needs = {.position = true, .parameters = true},
             .inputs = {{"amount", "1", ""}},
             .outputs = {{"count", "1", ""}},
@@ -246,10 +247,10 @@ Box boxOf(const Configuration& configuration) {
 
 extern constinit const ProcessEntry kDensity3dProcess{
     .name = "density3d",
-    .summary = kSummary,
+    .summary = kDensity3dSummary,
     .source = "the published program density3d",
-    .keys = kKeys,
-    .publishedKeywords = kPublishedKeywords,
+    .keys = kDensity3dKeys,
+    .publishedKeywords = kDensity3dPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       return std::make_unique<Density3d>(boxOf(configuration), configuration.text("order") == "published");
     }};

@@ -20,12 +20,10 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::string_view kSummary =
+constexpr std::string_view kEcosystemSummary =
     "Competition for space by discs of influence: an overlapped weaker disc is dominated.";
-constexpr std::array<std::string_view, 2> kOrders{"independent", "published"};
-constexpr std::array<std::string_view, 1> kOn{"on"};
-constexpr std::array<std::string_view, 2> kOnOrYes{"on", "yes"};
-constexpr std::array kKeys{
+constexpr std::array<std::string_view, 2> kEcosystemOrders{"independent", "published"};
+constexpr std::array kEcosystemKeys{
     ConfigurationKey{.name = "vigor",
                      .kind = KeyKind::Boolean,
                      .description = "parameter 2 is a vigor that decides before the radius, instead of a group"},
@@ -35,12 +33,12 @@ constexpr std::array kKeys{
                      .kind = KeyKind::Choice,
                      .description = "with vigor: settle domination from the strongest down, or in string order",
                      .defaultText = "independent",
-                     .choices = kOrders},
+                     .choices = kEcosystemOrders},
     ConfigurationKey{.name = "compatible",
                      .kind = KeyKind::Boolean,
                      .description = "string order, and distances in 32-bit floats, as published"},
 };
-constexpr std::array kPublishedKeywords{
+constexpr std::array kEcosystemPublishedKeywords{
     PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Unused, .key = {}},
     PublishedKeyword{.keyword = "vigor", .kind = PublishedKind::Switch, .key = "vigor", .onWords = kOn},
     PublishedKeyword{
@@ -81,7 +79,7 @@ class Ecosystem final : public turtle::EnvironmentProcess {
 
 turtle::EnvironmentDescription describeEcosystem(const std::string& lengthUnit, bool hasVigor) {
   return {.name = "ecosystem",
-          .summary = std::string(kSummary),
+          .summary = std::string(kEcosystemSummary),
           .needs = {.position = true, .parameters = true},
           .inputs = {{"radius", lengthUnit, ""}, {hasVigor ? "vigor" : "group", "1", ""}},
           .outputs = {{"isFree", "1", ""}},
@@ -90,10 +88,10 @@ turtle::EnvironmentDescription describeEcosystem(const std::string& lengthUnit, 
 
 extern constinit const ProcessEntry kEcosystemProcess{
     .name = "ecosystem",
-    .summary = kSummary,
+    .summary = kEcosystemSummary,
     .source = "Deussen et al. 1998, Realistic modeling and rendering of plant ecosystems",
-    .keys = kKeys,
-    .publishedKeywords = kPublishedKeywords,
+    .keys = kEcosystemKeys,
+    .publishedKeywords = kEcosystemPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       const ContestRules rules{configuration.flag("vigor"), configuration.text("order") == "published"};
       if (configuration.flag("compatible")) {

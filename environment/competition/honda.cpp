@@ -17,11 +17,10 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::string_view kSummary =
+constexpr std::string_view kHondaSummary =
     "Collision of tips of equal radius: a tip may grow unless another of its group with at least its vigor is near.";
-constexpr std::array<std::string_view, 1> kAliases{"honda81"};
-constexpr std::array<std::string_view, 1> kOn{"on"};
-constexpr std::array kKeys{
+constexpr std::array<std::string_view, 1> kHondaAliases{"honda81"};
+constexpr std::array kHondaKeys{
     ConfigurationKey{.name = "radius",
                      .description = "distance up to which tips collide",
                      .unit = "length",
@@ -32,7 +31,7 @@ constexpr std::array kKeys{
     ConfigurationKey{
         .name = "compatible", .kind = KeyKind::Boolean, .description = "distances in 32-bit floats, as published"},
 };
-constexpr std::array kPublishedKeywords{
+constexpr std::array kHondaPublishedKeywords{
     PublishedKeyword{.keyword = "radius", .kind = PublishedKind::Number, .key = "radius"},
     PublishedKeyword{.keyword = "3d case", .kind = PublishedKind::Switch, .key = "threeDimensional", .onWords = kOn},
 };
@@ -75,7 +74,7 @@ class Honda final : public turtle::EnvironmentProcess {
 
 turtle::EnvironmentDescription describeHonda() {
   return {.name = "honda",
-          .summary = std::string(kSummary),
+          .summary = std::string(kHondaSummary),
           .needs = {.position = true, .parameters = true},
           .inputs = {{"vigor", "1", ""}, {"group", "1", ""}},
           .outputs = {{"mayGrow", "1", ""}},
@@ -84,13 +83,13 @@ turtle::EnvironmentDescription describeHonda() {
 
 extern constinit const ProcessEntry kHondaProcess{
     .name = "honda",
-    .summary = kSummary,
+    .summary = kHondaSummary,
     .source =
         "Honda, Tomlinson & Fisher 1981, Computer simulation of branch interaction and regulation by unequal flow "
         "rates in botanical trees; Mech & Prusinkiewicz 1996",
-    .aliases = kAliases,
-    .keys = kKeys,
-    .publishedKeywords = kPublishedKeywords,
+    .aliases = kHondaAliases,
+    .keys = kHondaKeys,
+    .publishedKeywords = kHondaPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       const double radius = configuration.number("radius");
       const Plane plane = planeOf(configuration);

@@ -26,8 +26,8 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "Insects that walk over plants, feed, and go where there is more food.";
-constexpr std::array kKeys{
+constexpr std::string_view kInsectsSummary = "Insects that walk over plants, feed, and go where there is more food.";
+constexpr std::array kInsectsKeys{
     ConfigurationKey{.name = "count",
                      .kind = KeyKind::Integer,
                      .description = "number of insects; at first they sit at random, where there is more food in "
@@ -61,7 +61,7 @@ class Insects final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "insects",
-            .summary = std::string(kSummary),
+            .summary = std::string(kInsectsSummary),
             .needs = {.position = true, .parameters = true},
             .inputs = {{"food", "1", ""}},
             .outputs = {{"eaten", "1", ""}, {"insects", "1", ""}},
@@ -254,9 +254,9 @@ ProcessOrErrors makeInsects(const Configuration& configuration) {
 
 extern constinit const ProcessEntry kInsectsProcess{
     .name = "insects",
-    .summary = kSummary,
+    .summary = kInsectsSummary,
     .source = "Comaniciu & Meer 2002, Mean shift: a robust approach toward feature space analysis",
-    .keys = kKeys,
+    .keys = kInsectsKeys,
     .make = makeInsects};
 
 }  // namespace espalier::environment

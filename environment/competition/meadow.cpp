@@ -24,8 +24,8 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "Insects that feel the density of plants around them and each other.";
-constexpr std::array kOwnKeys{
+constexpr std::string_view kMeadowSummary = "Insects that feel the density of plants around them and each other.";
+constexpr std::array kMeadowOwnKeys{
     ConfigurationKey{.name = "radius",
                      .description = "distance up to which an insect feels",
                      .unit = "length",
@@ -36,8 +36,8 @@ constexpr std::array kOwnKeys{
                      .kind = KeyKind::Boolean,
                      .description = "only queries before a module I with three parameters are insects"},
 };
-constexpr auto kKeys = joinTables(kRasterKeys, kOwnKeys);
-constexpr std::array<std::string_view, 1> kAliases{"Meadow"};
+constexpr auto kMeadowKeys = joinTables(kRasterKeys, kMeadowOwnKeys);
+constexpr std::array<std::string_view, 1> kMeadowAliases{"Meadow"};
 
 /// Raster or PublishedRaster: where a point lies on the maps.
 template <typename AnyRaster>
@@ -52,7 +52,7 @@ class Meadow final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "meadow",
-            .summary = std::string(kSummary),
+            .summary = std::string(kMeadowSummary),
             .needs = {.position = true, .parameters = true, .following = isCompatible_},
             .inputs = {{"addedDensity", "1", ""}},
             .outputs = {{"density", "1", ""},
@@ -189,10 +189,10 @@ class Meadow final : public turtle::EnvironmentProcess {
 }  // namespace
 
 extern constinit const ProcessEntry kMeadowProcess{.name = "meadow",
-                                                   .summary = kSummary,
+                                                   .summary = kMeadowSummary,
                                                    .source = "the published program Meadow",
-                                                   .aliases = kAliases,
-                                                   .keys = kKeys,
+                                                   .aliases = kMeadowAliases,
+                                                   .keys = kMeadowKeys,
                                                    .publishedKeywords = kRasterKeywords,
                                                    .make = [](const Configuration& configuration) -> ProcessOrErrors {
                                                      if (auto problems = problemsOfRaster("meadow", configuration);

@@ -19,12 +19,12 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::string_view kSummary = "Counts objects stamped on a raster, which is empty again in every step.";
-constexpr std::array kOwnKeys{
+constexpr std::string_view kOrnamentSummary = "Counts objects stamped on a raster, which is empty again in every step.";
+constexpr std::array kOrnamentOwnKeys{
     ConfigurationKey{
         .name = "compatible", .kind = KeyKind::Boolean, .description = "cells, discs and pixels as published"},
 };
-constexpr auto kKeys = joinTables(kRasterKeys, kOwnKeys);
+constexpr auto kOrnamentKeys = joinTables(kRasterKeys, kOrnamentOwnKeys);
 
 class Ornament final : public turtle::EnvironmentProcess {
  public:
@@ -71,7 +71,7 @@ class Ornament final : public turtle::EnvironmentProcess {
 
 turtle::EnvironmentDescription describeOrnament(const std::string& lengthUnit) {
   return {.name = "ornament",
-          .summary = std::string(kSummary),
+          .summary = std::string(kOrnamentSummary),
           .needs = {.position = true, .parameters = true},
           .inputs = {{"unused", "1", ""}, {"radius", lengthUnit, ""}},
           .outputs = {{"objects", "1", ""}, {"light", "1", ""}},
@@ -79,9 +79,9 @@ turtle::EnvironmentDescription describeOrnament(const std::string& lengthUnit) {
 }
 
 extern constinit const ProcessEntry kOrnamentProcess{.name = "ornament",
-                                                     .summary = kSummary,
+                                                     .summary = kOrnamentSummary,
                                                      .source = "the published program ornament",
-                                                     .keys = kKeys,
+                                                     .keys = kOrnamentKeys,
                                                      .publishedKeywords = kRasterKeywords,
                                                      .make = [](const Configuration& configuration) -> ProcessOrErrors {
                                                        if (auto problems = problemsOfRaster("ornament", configuration);

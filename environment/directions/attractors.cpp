@@ -17,8 +17,8 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "Points that pull or push, like magnets.";
-constexpr std::array kKeys{
+constexpr std::string_view kAttractorsSummary = "Points that pull or push, like magnets.";
+constexpr std::array kAttractorsKeys{
     ConfigurationKey{.name = "points",
                      .kind = KeyKind::Rows,
                      .description = "attractors: place x, y, z and strength; a negative one pushes away",
@@ -60,7 +60,7 @@ class Attractors final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     turtle::EnvironmentDescription description{.name = "attractors",
-                                               .summary = std::string(kSummary),
+                                               .summary = std::string(kAttractorsSummary),
                                                .needs = {.position = true},
                                                .inputs = {},
                                                .outputs = vectorOutputs("pull", "1"),
@@ -122,9 +122,9 @@ class Attractors final : public turtle::EnvironmentProcess {
 
 extern constinit const ProcessEntry kAttractorsProcess{
     .name = "attractors",
-    .summary = kSummary,
+    .summary = kAttractorsSummary,
     .source = "Espalier's own",
-    .keys = kKeys,
+    .keys = kAttractorsKeys,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       return std::make_unique<Attractors>(configuration);
     }};

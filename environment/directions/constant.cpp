@@ -13,12 +13,13 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::string_view kSummary = "Returns the same configured values to every query.";
+constexpr std::string_view kConstantSummary = "Returns the same configured values to every query.";
 constexpr std::array kDefaultValues{1.0};
-constexpr std::array kKeys{ConfigurationKey{.name = "values",
-                                            .kind = KeyKind::Numbers,
-                                            .description = "the reply: value k goes to parameter k of every query",
-                                            .defaultNumbers = kDefaultValues}};
+constexpr std::array kConstantKeys{
+    ConfigurationKey{.name = "values",
+                     .kind = KeyKind::Numbers,
+                     .description = "the reply: value k goes to parameter k of every query",
+                     .defaultNumbers = kDefaultValues}};
 
 class Constant final : public turtle::EnvironmentProcess {
  public:
@@ -26,7 +27,7 @@ class Constant final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     turtle::EnvironmentDescription description{
-        .name = "constant", .summary = std::string(kSummary), .needs = {}, .inputs = {}, .outputs = {}};
+        .name = "constant", .summary = std::string(kConstantSummary), .needs = {}, .inputs = {}, .outputs = {}};
     for (std::size_t k = 0; k < values_.size(); ++k) {
       description.outputs.push_back({"value" + std::to_string(k + 1), "1", ""});
     }
@@ -59,9 +60,9 @@ class Constant final : public turtle::EnvironmentProcess {
 
 extern constinit const ProcessEntry kConstantProcess{
     .name = "constant",
-    .summary = kSummary,
+    .summary = kConstantSummary,
     .source = "Espalier's own",
-    .keys = kKeys,
+    .keys = kConstantKeys,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       return std::make_unique<Constant>(configuration.numbers("values"));
     }};

@@ -14,8 +14,8 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "A constant force, by default down.";
-constexpr std::array kKeys{
+constexpr std::string_view kGravitySummary = "A constant force, by default down.";
+constexpr std::array kGravityKeys{
     ConfigurationKey{.name = "strength", .description = "length of the vector", .defaultNumber = 1.0},
     ConfigurationKey{.name = "direction",
                      .kind = KeyKind::Numbers,
@@ -29,7 +29,7 @@ class Gravity final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "gravity",
-            .summary = std::string(kSummary),
+            .summary = std::string(kGravitySummary),
             .needs = {.position = true},
             .inputs = {},
             .outputs = vectorOutputs("force", "1"),
@@ -64,9 +64,9 @@ class Gravity final : public turtle::EnvironmentProcess {
 }  // namespace
 
 extern constinit const ProcessEntry kGravityProcess{.name = "gravity",
-                                                    .summary = kSummary,
+                                                    .summary = kGravitySummary,
                                                     .source = "Espalier's own",
-                                                    .keys = kKeys,
+                                                    .keys = kGravityKeys,
                                                     .make = [](const Configuration& configuration) -> ProcessOrErrors {
                                                       const auto direction = givenVector(configuration, "direction");
                                                       if (!direction) {

@@ -11,13 +11,13 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::string_view kSummary = "Returns the height of the queried point above the origin.";
+constexpr std::string_view kHeightSummary = "Returns the height of the queried point above the origin.";
 
 class Height final : public turtle::EnvironmentProcess {
  public:
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "height",
-            .summary = std::string(kSummary),
+            .summary = std::string(kHeightSummary),
             .needs = {.position = true},
             .inputs = {},
             .outputs = {{"height", lengthUnit_, ""}},
@@ -54,7 +54,7 @@ class Height final : public turtle::EnvironmentProcess {
 
 extern constinit const ProcessEntry kHeightProcess{
     .name = "height",
-    .summary = kSummary,
+    .summary = kHeightSummary,
     .source = "the teaching example of open L-systems",
     .make = [](const Configuration&) -> ProcessOrErrors { return std::make_unique<Height>(); }};
 

@@ -19,10 +19,10 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "The velocity of the air, constant or by height above the ground.";
+constexpr std::string_view kWindSummary = "The velocity of the air, constant or by height above the ground.";
 constexpr std::array kEast{1.0, 0.0, 0.0};
 constexpr std::array<std::string_view, 4> kProfiles{"constant", "logarithmic", "power", "table"};
-constexpr std::array kKeys{
+constexpr std::array kWindKeys{
     ConfigurationKey{.name = "direction",
                      .kind = KeyKind::Numbers,
                      .description = "x, y, z of the direction in which the wind blows, of any length but 0",
@@ -93,7 +93,7 @@ class Wind final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "wind",
-            .summary = std::string(kSummary),
+            .summary = std::string(kWindSummary),
             .needs = {.position = true},
             .inputs = {},
             .outputs = vectorOutputs("velocity", lengthUnit_ + "/s"),
@@ -204,9 +204,9 @@ ProcessOrErrors makeWind(const Configuration& configuration) {
 
 extern constinit const ProcessEntry kWindProcess{
     .name = "wind",
-    .summary = kSummary,
+    .summary = kWindSummary,
     .source = "Monteith & Unsworth 1990, Principles of Environmental Physics",
-    .keys = kKeys,
+    .keys = kWindKeys,
     .make = makeWind};
 
 }  // namespace espalier::environment

@@ -210,7 +210,7 @@ constexpr std::array kWaterKeys{
                      .defaultNumber = 1e-6},
 };
 
-constexpr auto kKeys = joinTables(kWaterKeys, kLeafKeys);
+constexpr auto kXylemKeys = joinTables(kWaterKeys, kLeafKeys);
 
 core::Diagnostic wrongXylem(const std::string& sentence, std::string hint) {
   return wrongConfiguration("xylem", sentence, std::move(hint));
@@ -231,7 +231,7 @@ extern constinit const ProcessEntry kXylemProcess{
         "Landsberg & Fowkes 1978; Meunier et al. 2017, A hybrid analytical-numerical method for solving water flow "
         "equations in root hydraulic architectures; Schröder et al. 2008; Couvreur et al. 2012; Peaceman 1978; Jarvis "
         "1976; Monteith 1965; Lockhart 1965",
-    .keys = kKeys,
+    .keys = kXylemKeys,
     .make = makeXylem};
 
 namespace {

@@ -31,12 +31,10 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "Light that reaches leaf spheres past each other.";
-constexpr std::array<std::string_view, 1> kOn{"on"};
-constexpr std::array<std::string_view, 1> kYes{"yes"};
-constexpr double kDarkness = 1e-12;
+constexpr std::string_view kChibaSummary = "Light that reaches leaf spheres past each other.";
+constexpr double kChibaDarkness = 1e-12;
 
-constexpr std::array kKeys{
+constexpr std::array kChibaKeys{
     ConfigurationKey{.name = "sampleCount",
                      .kind = KeyKind::Integer,
                      .description = "light directions when no sources are given, rounded up to 8, 32, 128, …",
@@ -76,7 +74,7 @@ constexpr std::array kKeys{
                      .kind = KeyKind::Boolean,
                      .description = "as the published program, which misses spheres"},
 };
-constexpr std::array kPublishedKeywords{
+constexpr std::array kChibaPublishedKeywords{
     PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Numbers, .key = "gridSize", .count = 3},
     PublishedKeyword{.keyword = "number of samples", .key = "sampleCount"},
     PublishedKeyword{.keyword = "lower to upper ratio", .key = "lowerToUpperRatio"},
@@ -110,7 +108,7 @@ double commonArea(double r1, double r2, double d) {
   return segment(r1, d1) + segment(r2, d2);
 }
 
-using Answer = std::array<double, 4>;  // light and its mean direction
+using ChibaAnswer = std::array<double, 4>;  // light and its mean direction
 
 class Chiba final : public turtle::EnvironmentProcess {
  public:
@@ -127,7 +125,7 @@ class Chiba final : public turtle::EnvironmentProcess {
     }
     normaliseLight(sources_);
     // the finest unit with which the chords that make darkness can still be added up
-    const double longest = transmittance_ < 1.0 ? core::log(kDarkness) / core::log(transmittance_) : 1.0;
+    const double longest = transmittance_ < 1.0 ? core::log(kChibaDarkness) / core::log(transmittance_) : 1.0;
     diameter_ = core::exp2(std::clamp(61.0 - std::ceil(core::log2(std::max(longest, 1.0))), 40.0, 56.0));
     limit_ =
         transmittance_ < 1.0 ? static_cast<std::int64_t>(std::min(longest * diameter_, 0x1p62)) : RaySums::kMostLimit;
@@ -158,7 +156,7 @@ class Chiba final : public turtle::EnvironmentProcess {
       }
     }
     const DistinctSpheres distinct = distinctSpheres(spheres);
-    const std::vector<Answer> answers = estimatesArea_ ? answersByAreas(distinct) : answersByChords(distinct);
+    const std::vector<ChibaAnswer> answers = estimatesArea_ ? answersByAreas(distinct) : answersByChords(distinct);
     for (std::size_t sphere = 0; sphere < spheres.size(); ++sphere) {
       setAnswer(queries, queryOf[sphere], answers[distinct.indexOf[sphere]], replies);
     }
@@ -195,9 +193,9 @@ class Chiba final : public turtle::EnvironmentProcess {
   }
 
   /// The light of every sphere, by chords that are kept from step to step.
-  [[nodiscard]] std::vector<Answer> answersByChords(const DistinctSpheres& distinct) {
+  [[nodiscard]] std::vector<ChibaAnswer> answersByChords(const DistinctSpheres& distinct) {
     constexpr double kEndless = std::numeric_limits<double>::infinity();
-    std::vector<Answer> answers(distinct.spheres.size());
+    std::vector<ChibaAnswer> answers(distinct.spheres.size());
     chords_.update(distinct,
                    RaySums::Rays{directions_.size(), limit_,
                                  [&](const Sphere& own, std::size_t k) {
@@ -213,16 +211,16 @@ class Chiba final : public turtle::EnvironmentProcess {
                        const std::int64_t sum = sums[k++];
                        const double light =
                            sum == 0 ? 1.0 : core::pow(transmittance_, static_cast<double>(sum) / diameter_);
-                       return sum != RaySums::kBeyond && light > kDarkness ? light : 0.0;
+                       return sum != RaySums::kBeyond && light > kChibaDarkness ? light : 0.0;
                      });
                    });
     return answers;
   }
 
   /// The same by the areas in common: a product of factors of any size, computed again in every step.
-  [[nodiscard]] std::vector<Answer> answersByAreas(const DistinctSpheres& distinct) const {
+  [[nodiscard]] std::vector<ChibaAnswer> answersByAreas(const DistinctSpheres& distinct) const {
     const SphereTree tree(distinct.spheres);
-    std::vector<Answer> answers(distinct.spheres.size());
+    std::vector<ChibaAnswer> answers(distinct.spheres.size());
     for (const std::uint32_t index : tree.order()) {
       const Sphere& own = distinct.spheres[index];
       answers[index] = answerFrom([&](const Vec3& direction) {
@@ -234,9 +232,9 @@ class Chiba final : public turtle::EnvironmentProcess {
                         for (std::uint32_t k = 0; k < times; ++k) {
                           light *= factor;
                         }
-                        return light > kDarkness;
+                        return light > kChibaDarkness;
                       });
-        return light > kDarkness ? light : 0.0;
+        return light > kChibaDarkness ? light : 0.0;
       });
     }
     return answers;
@@ -244,7 +242,7 @@ class Chiba final : public turtle::EnvironmentProcess {
 
   /// From the light that is left in each direction.
   template <typename LightFrom>
-  [[nodiscard]] Answer answerFrom(const LightFrom& lightFrom) const {
+  [[nodiscard]] ChibaAnswer answerFrom(const LightFrom& lightFrom) const {
     double light = 0.0;
     Vec3 brightest;
     for (const LightDirection& source : directions_) {
@@ -256,7 +254,7 @@ class Chiba final : public turtle::EnvironmentProcess {
     return {light, unit.x, unit.y, unit.z};
   }
 
-  static void setAnswer(const turtle::QueryBatch& queries, std::size_t query, const Answer& answer,
+  static void setAnswer(const turtle::QueryBatch& queries, std::size_t query, const ChibaAnswer& answer,
                         turtle::ReplyBatch& replies) {
     for (std::size_t k = 0; k < std::min<std::size_t>(queries.parametersOf(query).size(), 4); ++k) {
       replies.set(queries, query, k, answer[k]);
@@ -280,7 +278,7 @@ class Chiba final : public turtle::EnvironmentProcess {
 
 turtle::EnvironmentDescription describeChiba(const std::string& lengthUnit) {
   return {.name = "chiba",
-          .summary = std::string(kSummary),
+          .summary = std::string(kChibaSummary),
           .needs = {.position = true, .parameters = true},
           .inputs = {{"radius", lengthUnit, ""}},
           .outputs = {{"light", "1", ""}, {"brightestX", "1", ""}, {"brightestY", "1", ""}, {"brightestZ", "1", ""}},
@@ -289,12 +287,12 @@ turtle::EnvironmentDescription describeChiba(const std::string& lengthUnit) {
 
 extern constinit const ProcessEntry kChibaProcess{
     .name = "chiba",
-    .summary = kSummary,
+    .summary = kChibaSummary,
     .source =
         "Chiba, Ohshida, Muraoka, Miura & Saito 1994, A growth model having the abilities of growth-regulations for "
         "simulating visual nature of botanical trees",
-    .keys = kKeys,
-    .publishedKeywords = kPublishedKeywords,
+    .keys = kChibaKeys,
+    .publishedKeywords = kChibaPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       if (auto problems = problemsOfSources("chiba", configuration.rows("sources"), true); !problems.empty()) {
         return tl::unexpected(std::move(problems));

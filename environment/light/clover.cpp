@@ -22,9 +22,8 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::string_view kSummary = "Light from above on a raster that leaf discs shade.";
-constexpr std::array<std::string_view, 2> kYesOrOn{"yes", "on"};
-constexpr std::array kOwnKeys{
+constexpr std::string_view kCloverSummary = "Light from above on a raster that leaf discs shade.";
+constexpr std::array kCloverOwnKeys{
     ConfigurationKey{.name = "transmittance",
                      .description = "part of the light that passes a leaf",
                      .minimum = 0.0,
@@ -37,13 +36,13 @@ constexpr std::array kOwnKeys{
                      .kind = KeyKind::Boolean,
                      .description = "cells, leaves, pixels and counts within 0 and 255 as published"},
 };
-constexpr auto kKeys = joinTables(kRasterKeys, kOwnKeys);
+constexpr auto kCloverKeys = joinTables(kRasterKeys, kCloverOwnKeys);
 constexpr std::array kOwnKeywords{
     PublishedKeyword{.keyword = "transmittance", .key = "transmittance"},
     PublishedKeyword{
-        .keyword = "remove old leaves", .kind = PublishedKind::Switch, .key = "removeOldLeaves", .onWords = kYesOrOn},
+        .keyword = "remove old leaves", .kind = PublishedKind::Switch, .key = "removeOldLeaves", .onWords = kOnOrYes},
 };
-constexpr auto kPublishedKeywords = joinTables(kRasterKeywords, kOwnKeywords);
+constexpr auto kCloverPublishedKeywords = joinTables(kRasterKeywords, kOwnKeywords);
 
 class Clover final : public turtle::EnvironmentProcess {
  public:
@@ -122,7 +121,7 @@ class Clover final : public turtle::EnvironmentProcess {
 
 turtle::EnvironmentDescription describeClover(const std::string& lengthUnit) {
   return {.name = "clover",
-          .summary = std::string(kSummary),
+          .summary = std::string(kCloverSummary),
           .needs = {.position = true, .parameters = true},
           .inputs = {{"action", "1", ""}, {"leafArea", lengthUnit + "^2", ""}},
           .outputs = {{"light", "1", ""}, {"second", "1", ""}},
@@ -131,10 +130,10 @@ turtle::EnvironmentDescription describeClover(const std::string& lengthUnit) {
 
 extern constinit const ProcessEntry kCloverProcess{
     .name = "clover",
-    .summary = kSummary,
+    .summary = kCloverSummary,
     .source = "the published program clover; Bell 1986, The simulation of branching patterns in modular organisms",
-    .keys = kKeys,
-    .publishedKeywords = kPublishedKeywords,
+    .keys = kCloverKeys,
+    .publishedKeywords = kCloverPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       if (auto problems = problemsOfRaster("clover", configuration); !problems.empty()) {
         return tl::unexpected(std::move(problems));

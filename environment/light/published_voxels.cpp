@@ -8,7 +8,7 @@ namespace espalier::environment {
 
 namespace {
 
-std::array<float, 3> axesOf(const FloatVec& v) {
+std::array<float, 3> coordinatesOf(const FloatVec& v) {
   return {v.x, v.y, v.z};
 }
 
@@ -20,7 +20,7 @@ PublishedVoxels::PublishedVoxels(std::span<const FloatSphere> spheres, const std
   float largest = 0.0F;
   std::array<float, 3> high{};
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    const auto centre = axesOf(spheres[i].centre);
+    const auto centre = coordinatesOf(spheres[i].centre);
     const float radius = spheres[i].radius;
     largest = std::max(largest, radius);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -49,7 +49,7 @@ std::optional<turtle::EnvironmentError> PublishedVoxels::tooManyEntries() const 
 }
 
 void PublishedVoxels::enter(std::uint32_t sphere, float reach, float halfDiagonal) {
-  const auto centre = axesOf(spheres_[sphere].centre);
+  const auto centre = coordinatesOf(spheres_[sphere].centre);
   Voxel first{};
   Voxel last{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -93,8 +93,8 @@ std::size_t PublishedVoxels::indexOf(const Voxel& voxel) const {
 }
 
 bool PublishedVoxels::advance(Voxel& voxel, const FloatVec& origin, const FloatVec& direction) const {
-  const auto from = axesOf(origin);
-  const auto along = axesOf(direction);
+  const auto from = coordinatesOf(origin);
+  const auto along = coordinatesOf(direction);
   std::size_t nearest = 3;
   float nearestWay = 0.0F;
   float nearestSpeed = 0.0F;

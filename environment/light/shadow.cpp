@@ -25,10 +25,10 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary =
+constexpr std::string_view kShadowSummary =
     "Light by shadow propagation: every foliage element multiplies the light in a pyramid of voxels below it.";
-constexpr std::array<std::string_view, 1> kAliases{"shadowpyramid"};
-constexpr std::array kKeys{
+constexpr std::array<std::string_view, 1> kShadowAliases{"shadowpyramid"};
+constexpr std::array kShadowKeys{
     ConfigurationKey{.name = "gridSize",
                      .kind = KeyKind::Integer,
                      .description = "voxels along each side of the grid",
@@ -81,7 +81,7 @@ constexpr std::array kKeys{
                      .kind = KeyKind::Boolean,
                      .description = "voxels, borders and gradients as published; bias and randomness in the field"},
 };
-constexpr std::array kPublishedKeywords{
+constexpr std::array kShadowPublishedKeywords{
     PublishedKeyword{.keyword = "grid size", .key = "gridSize"},
     PublishedKeyword{.keyword = "grid span", .key = "gridSpan"},
     PublishedKeyword{.keyword = "shadow spread", .key = "shadowSpread"},
@@ -280,7 +280,7 @@ class Shadow final : public turtle::EnvironmentProcess {
 turtle::EnvironmentDescription describeShadow(const std::string& lengthUnit) {
   const std::string perLength = "1/" + lengthUnit;
   return {.name = "shadow",
-          .summary = std::string(kSummary),
+          .summary = std::string(kShadowSummary),
           .needs = {.position = true, .parameters = true},
           .inputs = {{"castsShadow", "1", ""}},
           .outputs = {{"light", "1", ""},
@@ -292,13 +292,13 @@ turtle::EnvironmentDescription describeShadow(const std::string& lengthUnit) {
 
 extern constinit const ProcessEntry kShadowProcess{
     .name = "shadow",
-    .summary = kSummary,
+    .summary = kShadowSummary,
     .source =
         "Palubicki et al. 2009, Self-organizing tree models for image synthesis, as the published program "
         "shadowpyramid has it",
-    .aliases = kAliases,
-    .keys = kKeys,
-    .publishedKeywords = kPublishedKeywords,
+    .aliases = kShadowAliases,
+    .keys = kShadowKeys,
+    .publishedKeywords = kShadowPublishedKeywords,
     .make = [](const Configuration& c) -> ProcessOrErrors {
       if (c.flag("compatible")) {
         return makePublishedShadow(c);

@@ -29,12 +29,12 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "Photosynthesis of balls of leaves that shade each other.";
-constexpr double kDarkness = 1e-12;
+constexpr std::string_view kTakenakaSummary = "Photosynthesis of balls of leaves that shade each other.";
+constexpr double kTakenakaDarkness = 1e-12;
 constexpr std::int64_t kManyBalls = 100'000;
 constexpr double kYearlyLight = 1000e-6 * 12 * 3600 * 200;  // mol m^-2 a year
 
-constexpr std::array kKeys{
+constexpr std::array kTakenakaKeys{
     ConfigurationKey{.name = "parameterS",
                      .description = "s: the ball's radius relative to that of its leaves laid out as a sphere",
                      .minimum = 0.0,
@@ -68,7 +68,7 @@ constexpr std::array kKeys{
                      .kind = KeyKind::Boolean,
                      .description = "as the published program, which misses balls and has ten times the light"},
 };
-constexpr std::array kPublishedKeywords{
+constexpr std::array kTakenakaPublishedKeywords{
     PublishedKeyword{.keyword = "grid size", .kind = PublishedKind::Numbers, .key = "gridSize", .count = 3},
     PublishedKeyword{.keyword = "parameter s", .key = "parameterS"},
     PublishedKeyword{.keyword = "transmittance", .key = "transmittance"},
@@ -88,9 +88,9 @@ class Takenaka final : public turtle::EnvironmentProcess {
     passing_ = gap * gap;
     // the most balls behind which it is not dark; as many as one likes where that is many
     double left = 1.0;
-    while (left > kDarkness && limit_ < kManyBalls) {
+    while (left > kTakenakaDarkness && limit_ < kManyBalls) {
       left *= passing_;
-      limit_ += left > kDarkness ? 1 : 0;
+      limit_ += left > kTakenakaDarkness ? 1 : 0;
     }
     limit_ = limit_ == kManyBalls ? RaySums::kMostLimit : limit_;
     for (const auto& row : configuration.rows("sources")) {
@@ -253,7 +253,7 @@ ConfigurationValues publishedDefaultsOfTakenaka() {
 turtle::EnvironmentDescription describeTakenaka(const std::string& lengthUnit) {
   const std::string area = lengthUnit + "^2";
   return {.name = "takenaka",
-          .summary = std::string(kSummary),
+          .summary = std::string(kTakenakaSummary),
           .needs = {.position = true, .parameters = true},
           .inputs = {{"leafArea", area, ""}, {"maintenance", "1", ""}},
           .outputs = {{"leafArea", area, ""}, {"product", "1", ""}},
@@ -262,12 +262,12 @@ turtle::EnvironmentDescription describeTakenaka(const std::string& lengthUnit) {
 
 extern constinit const ProcessEntry kTakenakaProcess{
     .name = "takenaka",
-    .summary = kSummary,
+    .summary = kTakenakaSummary,
     .source =
         "Takenaka 1994, A simulation model of tree architecture development based on growth response to local light "
         "environment",
-    .keys = kKeys,
-    .publishedKeywords = kPublishedKeywords,
+    .keys = kTakenakaKeys,
+    .publishedKeywords = kTakenakaPublishedKeywords,
     .make = [](const Configuration& configuration) -> ProcessOrErrors {
       auto problems = problemsOfSources("takenaka", configuration.rows("sources"), false);
       const double s = configuration.number("parameterS");

@@ -25,9 +25,8 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "The next segment of a plant that climbs on obstacles.";
-constexpr std::array<std::string_view, 2> kOnOrYes{"on", "yes"};
-constexpr std::array kOwnKeys{
+constexpr std::string_view kArvoSummary = "The next segment of a plant that climbs on obstacles.";
+constexpr std::array kArvoOwnKeys{
     ConfigurationKey{.name = "surfaceDistance",
                      .description = "distance that the plant keeps from the surface",
                      .unit = "length",
@@ -62,7 +61,7 @@ constexpr std::array kOwnKeys{
     ConfigurationKey{
         .name = "compatible", .kind = KeyKind::Boolean, .description = "seek surfaces by random rays, as published"},
 };
-constexpr auto kKeys = joinTables(kObstacleKeys, kOwnKeys);
+constexpr auto kArvoKeys = joinTables(kObstacleKeys, kArvoOwnKeys);
 
 /// `obstacles: FILE`, a background scene.
 std::string readObstacleFile(const PublishedLineInput& input) {
@@ -75,7 +74,7 @@ std::string readObstacleFile(const PublishedLineInput& input) {
   return {};
 }
 
-constexpr std::array kPublishedKeywords{
+constexpr std::array kArvoPublishedKeywords{
     PublishedKeyword{.keyword = "obstacles", .kind = PublishedKind::Own, .key = {}, .read = readObstacleFile},
     PublishedKeyword{.keyword = "surface distance", .key = "surfaceDistance"},
     PublishedKeyword{.keyword = "max surface distance", .key = "maxSurfaceDistance"},
@@ -119,7 +118,7 @@ class Arvo final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "arvo",
-            .summary = std::string(kSummary),
+            .summary = std::string(kArvoSummary),
             .needs = {.position = true, .heading = true, .up = true, .parameters = true, .following = adds_},
             .inputs = {{"length", lengthUnit_, ""}},
             .outputs = {{"headingX", "1", ""},
@@ -357,11 +356,11 @@ ProcessOrErrors makeArvo(const Configuration& configuration) {
 
 extern constinit const ProcessEntry kArvoProcess{
     .name = "arvo",
-    .summary = kSummary,
+    .summary = kArvoSummary,
     .source =
         "Arvo & Kirk 1988, Modeling plants with environment-sensitive automata; Greene 1989, Voxel space automata",
-    .keys = kKeys,
-    .publishedKeywords = kPublishedKeywords,
+    .keys = kArvoKeys,
+    .publishedKeywords = kArvoPublishedKeywords,
     .make = makeArvo};
 
 }  // namespace espalier::environment

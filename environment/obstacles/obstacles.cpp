@@ -24,10 +24,10 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary =
+constexpr std::string_view kObstaclesSummary =
     "Whether a segment may grow past obstacles and other plants, and the nearest obstacle.";
 constexpr std::array<std::string_view, 4> kPlants{"ignored", "proposed", "remembered", "drawn"};
-constexpr std::array kOwnKeys{
+constexpr std::array kObstaclesOwnKeys{
     ConfigurationKey{.name = "reach",
                      .description = "distance beyond which obstacles do not count",
                      .unit = "length",
@@ -41,7 +41,7 @@ constexpr std::array kOwnKeys{
                      .defaultText = "ignored",
                      .choices = kPlants},
 };
-constexpr auto kKeys = joinTables(kObstacleKeys, kOwnKeys);
+constexpr auto kObstaclesKeys = joinTables(kObstacleKeys, kObstaclesOwnKeys);
 
 class Obstacles final : public turtle::EnvironmentProcess {
  public:
@@ -54,7 +54,7 @@ class Obstacles final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     return {.name = "obstacles",
-            .summary = std::string(kSummary),
+            .summary = std::string(kObstaclesSummary),
             .needs = {.position = true, .heading = true, .parameters = true, .geometry = looks_},
             .inputs = {{"length", lengthUnit_, ""}, {"radius", lengthUnit_, ""}},
             .outputs = {{"mayGrow", "1", ""},
@@ -263,7 +263,10 @@ ProcessOrErrors makeObstacles(const Configuration& configuration) {
 
 }  // namespace
 
-extern constinit const ProcessEntry kObstaclesProcess{
-    .name = "obstacles", .summary = kSummary, .source = "Espalier's own", .keys = kKeys, .make = makeObstacles};
+extern constinit const ProcessEntry kObstaclesProcess{.name = "obstacles",
+                                                      .summary = kObstaclesSummary,
+                                                      .source = "Espalier's own",
+                                                      .keys = kObstaclesKeys,
+                                                      .make = makeObstacles};
 
 }  // namespace espalier::environment

@@ -24,13 +24,14 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "A substance that plants give off, that spreads and decays, and that they feel.";
-constexpr std::array kGridSize{32.0, 32.0, 32.0};
+constexpr std::string_view kEmissionSummary =
+    "A substance that plants give off, that spreads and decays, and that they feel.";
+constexpr std::array kEmissionGridSize{32.0, 32.0, 32.0};
 constexpr std::array<std::string_view, 2> kBorders{"closed", "open"};
 constexpr double kMostSteps = 100000;
-constexpr std::size_t kMaximumCellCount = std::size_t{1} << 26;
-constexpr std::array kKeys{
-    gridSizeKey(kGridSize, "cells along x, y, z; one along z: a plane field"),
+constexpr std::size_t kEmissionMaximumCellCount = std::size_t{1} << 26;
+constexpr std::array kEmissionKeys{
+    gridSizeKey(kEmissionGridSize, "cells along x, y, z; one along z: a plane field"),
     ConfigurationKey{.name = "cellSize",
                      .description = "side of a cell, which is a cube",
                      .unit = "length",
@@ -70,7 +71,7 @@ class Emission final : public turtle::EnvironmentProcess {
     const std::string volume = lengthUnit_ + "^3";
     const std::string steepness = "1/" + lengthUnit_ + "^4";
     return {.name = "emission",
-            .summary = std::string(kSummary),
+            .summary = std::string(kEmissionSummary),
             .needs = {.position = true, .parameters = true},
             .inputs = {{"amount", "1", ""}},
             .outputs = {{"concentration", "1/" + volume, ""},
@@ -167,7 +168,7 @@ ProcessOrErrors makeEmission(const Configuration& configuration) {
   const SoilField::Shape shape{vectorOf(configuration, "position"),
                                vectorOf(configuration, "gridSize") * configuration.number("cellSize"),
                                cellsOf(configuration)};
-  if (auto problem = tooManyCells("emission", shape.cells, kMaximumCellCount)) {
+  if (auto problem = tooManyCells("emission", shape.cells, kEmissionMaximumCellCount)) {
     return tl::unexpected(std::vector{std::move(*problem)});
   }
   const std::size_t cellCount = shape.cells[0] * shape.cells[1] * shape.cells[2];
@@ -178,9 +179,9 @@ ProcessOrErrors makeEmission(const Configuration& configuration) {
 }  // namespace
 
 extern constinit const ProcessEntry kEmissionProcess{.name = "emission",
-                                                     .summary = kSummary,
+                                                     .summary = kEmissionSummary,
                                                      .source = "Fick's law in finite volumes",
-                                                     .keys = kKeys,
+                                                     .keys = kEmissionKeys,
                                                      .make = makeEmission};
 
 }  // namespace espalier::environment

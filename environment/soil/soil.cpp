@@ -33,14 +33,14 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary =
+constexpr std::string_view kSoilSummary =
     "Water or a nutrient in the ground: roots take it up, and it spreads by diffusion.";
 constexpr std::array kUnitRange{0.0, 1.0};
 constexpr std::array<std::string_view, 1> kOff{"off"};
 constexpr int kMostDiffusionSteps = 1000000;
-constexpr std::size_t kMaximumCellCount = std::size_t{1} << 26;
+constexpr std::size_t kSoilMaximumCellCount = std::size_t{1} << 26;
 
-constexpr std::array kKeys{
+constexpr std::array kSoilKeys{
     sidesKey("domainSize", "size of the box along x, y, z", kUnitSides),
     positionKey(kOrigin),
     ConfigurationKey{.name = "concentration",
@@ -117,7 +117,7 @@ constexpr std::array kKeys{
                      .description = "uptake in string order, gradients, layers and diffusion as the published program"},
 };
 
-constexpr std::array kPublishedKeywords{
+constexpr std::array kSoilPublishedKeywords{
     PublishedKeyword{.keyword = "domain size", .kind = PublishedKind::Numbers, .key = "domainSize", .count = 3},
     PublishedKeyword{.keyword = "position", .kind = PublishedKind::Numbers, .key = "position", .count = 3},
     PublishedKeyword{.keyword = "array", .kind = PublishedKind::Own, .key = {}, .read = readArray},
@@ -369,7 +369,7 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
   } else {
     shape.cells = {rows.front().size(), rows.size() / sliceCount, sliceCount};
   }
-  if (auto problem = tooManyCells("soil", shape.cells, kMaximumCellCount)) {
+  if (auto problem = tooManyCells("soil", shape.cells, kSoilMaximumCellCount)) {
     return tl::unexpected(std::vector{std::move(*problem)});
   }
   const bool isCompatible = configuration.flag("compatible");
@@ -434,7 +434,7 @@ ConfigurationValues publishedDefaultsOfSoil() {
 
 turtle::EnvironmentDescription describeSoil(const std::string& lengthUnit, bool isInSpace) {
   turtle::EnvironmentDescription description{.name = "soil",
-                                             .summary = std::string(kSummary),
+                                             .summary = std::string(kSoilSummary),
                                              .needs = {.position = true, .heading = true, .parameters = true},
                                              .inputs = {{"desiredAmount", "1", ""},
                                                         {"gravityWeight", "1", ""},
@@ -460,12 +460,12 @@ turtle::EnvironmentDescription describeSoil(const std::string& lengthUnit, bool 
 
 extern constinit const ProcessEntry kSoilProcess{
     .name = "soil",
-    .summary = kSummary,
+    .summary = kSoilSummary,
     .source =
         "Clausnitzer & Hopmans 1994, Simultaneous modeling of transient three-dimensional root growth and soil water "
         "flow; Mech & Prusinkiewicz 1996",
-    .keys = kKeys,
-    .publishedKeywords = kPublishedKeywords,
+    .keys = kSoilKeys,
+    .publishedKeywords = kSoilPublishedKeywords,
     .make = makeSoil,
     .publishedDefaults = publishedDefaultsOfSoil};
 

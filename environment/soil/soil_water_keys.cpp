@@ -10,19 +10,19 @@ namespace espalier::environment {
 
 namespace {
 
-constexpr std::array kGridSize{1.0, 20.0, 1.0};
+constexpr std::array kSoilWaterGridSize{1.0, 20.0, 1.0};
 constexpr std::array kCellSize{1.0, 0.05, 1.0};
-constexpr std::array kPosition{-0.5, -1.0, -0.5};
+constexpr std::array kSoilWaterPosition{-0.5, -1.0, -0.5};
 constexpr std::array<std::string_view, 2> kStarts{"head", "waterTable"};
 constexpr std::array<std::string_view, 2> kSoils{"vanGenuchten", "gardner"};
 constexpr std::array<std::string_view, 2> kEntries{"flow", "concentration"};
 constexpr std::array<std::string_view, 2> kSurfaces{"weather", "head"};
 constexpr std::array<std::string_view, 2> kEvaporations{"rows", "weather"};
 constexpr std::array<std::string_view, 3> kBottoms{"free", "closed", "head"};
-constexpr std::size_t kMaximumCellCount = std::size_t{1} << 24;
+constexpr std::size_t kSoilWaterMaximumCellCount = std::size_t{1} << 24;
 
-constexpr std::array kOwnKeys{
-    gridSizeKey(kGridSize, "cells along x, y, z; one along both horizontal directions: a column"),
+constexpr std::array kSoilWaterOwnKeys{
+    gridSizeKey(kSoilWaterGridSize, "cells along x, y, z; one along both horizontal directions: a column"),
     sidesKey("cellSize", "sides of a cell along x, y, z; upwards the mean", kCellSize),
     ConfigurationKey{.name = "growth",
                      .description = "height of a cell over that of the cell above it, in a box of the same height",
@@ -30,7 +30,7 @@ constexpr std::array kOwnKeys{
                      .minimum = 0.5,
                      .maximum = 2.0,
                      .defaultNumber = 1.0},
-    positionKey(kPosition),
+    positionKey(kSoilWaterPosition),
     ConfigurationKey{
         .name = "layers",
         .kind = KeyKind::Rows,
@@ -199,7 +199,7 @@ constexpr std::array kOwnKeys{
                      .maximum = 0.1,
                      .defaultNumber = 1e-3},
 };
-constexpr auto kKeys = joinTables(kOwnKeys, kObstacleKeys);
+constexpr auto kSoilWaterKeys = joinTables(kSoilWaterOwnKeys, kObstacleKeys);
 
 core::Diagnostic wrong(const std::string& sentence, const std::string& hint) {
   return wrongConfiguration("soil-water", sentence, hint);
@@ -213,7 +213,7 @@ extern constinit const ProcessEntry kSoilWaterProcess{
     .source =
         "Celia, Bouloutas & Zarba 1990, A general mass-conservative numerical solution for the unsaturated flow "
         "equation; van Genuchten 1980; Mualem 1976; Millington & Quirk 1961",
-    .keys = kKeys,
+    .keys = kSoilWaterKeys,
     .make = makeSoilWater};
 
 int SoilWaterKeys::layerAt(double depth) const {
@@ -293,7 +293,7 @@ SoilWaterKeys readSoilWater(const Configuration& configuration) {
 std::vector<core::Diagnostic> checkSoilWater(const Configuration& configuration) {
   std::vector<core::Diagnostic> errors;
   const std::array<std::size_t, 3> cells = cellsOf(configuration);
-  if (auto problem = tooManyCells("soil-water", cells, kMaximumCellCount)) {
+  if (auto problem = tooManyCells("soil-water", cells, kSoilWaterMaximumCellCount)) {
     errors.push_back(std::move(*problem));
   }
   const std::size_t cellCount = cells[0] * cells[1] * cells[2];

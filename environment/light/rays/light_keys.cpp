@@ -23,7 +23,7 @@ constexpr std::array kReflectance{0.08};
 constexpr std::array kTransmittance{0.05};
 constexpr std::array kStemReflectance{0.2};
 constexpr std::array kGroundReflectance{0.1};
-constexpr std::array kKeys{
+constexpr std::array kLightKeys{
     ConfigurationKey{.name = "sky",
                      .kind = KeyKind::Choice,
                      .description = "brightness of the sky; overcast is (1 + 2 cos θ)/3, clear the CIE's with the sun",
@@ -222,7 +222,7 @@ extern constinit const ProcessEntry kLightProcess{
     .name = "light",
     .summary = kLightSummary,
     .source = "Meeus 1998, Astronomical Algorithms; Moon & Spencer 1942; Kittler 1967; Liu & Jordan 1960",
-    .keys = kKeys,
+    .keys = kLightKeys,
     .make = makeLight};
 
 double numberOfBand(const std::vector<double>& numbers, std::size_t band) {

@@ -29,27 +29,28 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kSummary = "Light in voxels: through a turbid medium of leaves, or by propagated shadows.";
+constexpr std::string_view kLightVoxelsSummary =
+    "Light in voxels: through a turbid medium of leaves, or by propagated shadows.";
 constexpr std::array<std::string_view, 2> kMethods{"turbid", "shadow"};
 constexpr std::array<std::string_view, 2> kSkies{"uniform", "overcast"};
-constexpr std::array kGridSize{40.0, 40.0, 40.0};
-constexpr std::array kPosition{-10.0, 0.0, -10.0};
-constexpr std::size_t kMaximumCellCount = std::size_t{1} << 27;
-constexpr std::array kKeys{
+constexpr std::array kLightVoxelsGridSize{40.0, 40.0, 40.0};
+constexpr std::array kLightVoxelsPosition{-10.0, 0.0, -10.0};
+constexpr std::size_t kLightVoxelsMaximumCellCount = std::size_t{1} << 27;
+constexpr std::array kLightVoxelsKeys{
     ConfigurationKey{.name = "method",
                      .kind = KeyKind::Choice,
                      .description = "turbid: Beer-Lambert through the leaf area density; shadow: additive shadow "
                                     "propagation",
                      .defaultText = "turbid",
                      .choices = kMethods},
-    gridSizeKey(kGridSize, "number of voxels along x, y, z"),
+    gridSizeKey(kLightVoxelsGridSize, "number of voxels along x, y, z"),
     ConfigurationKey{.name = "voxelSize",
                      .description = "side of a voxel, which is a cube",
                      .unit = "length",
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
                      .defaultNumber = 0.5},
-    positionKey(kPosition),
+    positionKey(kLightVoxelsPosition),
     ConfigurationKey{.name = "periodic",
                      .kind = KeyKind::Boolean,
                      .description = "the box repeats itself without end in the horizontal directions: a stand"},
@@ -180,7 +181,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     const std::string area = lengthUnit_ + "^2";
     turtle::EnvironmentDescription description{
         .name = "light-voxels",
-        .summary = std::string(kSummary),
+        .summary = std::string(kLightVoxelsSummary),
         .needs = {.position = true, .parameters = true},
         .inputs = {{isTurbid_ ? "leafArea" : "castsShadow", isTurbid_ ? area : "1", ""}},
         .outputs = {{"light", "1", ""},
@@ -471,7 +472,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
 
 ProcessOrErrors makeLightVoxels(const Configuration& configuration) {
   const auto cells = cellsOf(configuration);
-  if (auto problem = tooManyCells("light-voxels", cells, kMaximumCellCount)) {
+  if (auto problem = tooManyCells("light-voxels", cells, kLightVoxelsMaximumCellCount)) {
     return tl::unexpected(std::vector{std::move(*problem)});
   }
   const std::size_t cellCount = cells[0] * cells[1] * cells[2];
@@ -507,11 +508,11 @@ ProcessOrErrors makeLightVoxels(const Configuration& configuration) {
 
 extern constinit const ProcessEntry kLightVoxelsProcess{
     .name = "light-voxels",
-    .summary = kSummary,
+    .summary = kLightVoxelsSummary,
     .source =
         "Monsi & Saeki 1953; Ross 1981; Goudriaan 1977; Campbell 1986; Carlson & Lathrop 1968; Palubicki et al. "
         "2009, Self-organizing tree models for image synthesis",
-    .keys = kKeys,
+    .keys = kLightVoxelsKeys,
     .make = makeLightVoxels};
 
 }  // namespace espalier::environment
