@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <latch>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -94,6 +95,22 @@ TEST(WorkerTeam, TheFailureOfTheLowestTaskReachesTheCaller) {
     std::atomic<int> count = 0;
     team.forEach(4, [&](std::size_t) { ++count; });
     EXPECT_EQ(count, 4);
+  }
+}
+
+TEST(WorkerTeam, OfTwoTasksThatFailAtOnceTheLowerReachesTheCaller) {
+  WorkerTeam team(2);
+  for (std::size_t round = 0; round < 200; ++round) {
+    // neither fails before both have started; now the one, now the other fails a moment later
+    std::latch areBothStarted(2);
+    const auto failing = [&](std::size_t i) {
+      areBothStarted.arrive_and_wait();
+      for (std::size_t k = 0; k < 100 * ((i + round) % 2); ++k) {
+        std::this_thread::yield();
+      }
+      throw std::runtime_error("task " + std::to_string(i));
+    };
+    EXPECT_EQ(failureOf([&] { team.forEach(2, failing); }), "task 0");
   }
 }
 

@@ -193,6 +193,16 @@ TEST(ImageFile, ATgaPictureIsBlueGreenRedFromTheBottomUnlessItSaysOtherwise) {
   EXPECT_EQ(problemOf("a.tga", tgaHeader(1, 2, 2, 8, 0) + points), "this is not a TGA picture of true colour or grey");
 }
 
+TEST(ImageFile, ATgaPictureThatIsCutOffAnywhereIsRefused) {
+  for (const std::string& whole :
+       {tgaHeader(2, 2, 1, 24, 0) + "\x03\x02\x01\x06\x05\x04", tgaHeader(10, 3, 1, 32, 0) + "\x82\x04\x03\x02\x01"}) {
+    EXPECT_EQ(problemOf("a.tga", whole), "");
+    for (std::size_t bytes = 0; bytes < whole.size(); ++bytes) {
+      EXPECT_NE(problemOf("a.tga", whole.substr(0, bytes)), "") << bytes;
+    }
+  }
+}
+
 TEST(ImageFile, AnUnknownFormatIsAnErrorThatNamesTheKnownOnes) {
   const std::string kinds = "the format is unknown; use PNG, JPEG, SGI (.rgb), Utah (.rle), PNM or TGA";
   EXPECT_EQ(problemOf("a.bmp", "BM..."), kinds);

@@ -148,6 +148,14 @@ TEST(MeshFile, AnUnusableFileIsRefusedWithAReason) {
       std::string::npos);
 }
 
+TEST(MeshFile, ACoordinateOfObjThatIsNotFiniteIsRefused) {
+  for (const std::string number : {"inf", "-inf", "nan", "1e999"}) {
+    EXPECT_EQ(problemOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 " + number + " 0\nf 1 2 3\n"),
+              "line 3: a vertex has the coordinate '" + number + "', which is not a finite number");
+  }
+  EXPECT_EQ(problemOf("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1e-999 1\nf 1 2 3\n"), "") << "too small is 0";
+}
+
 TEST(MeshFile, AFileThatIsCutOffAnywhereIsRefused) {
   const std::string whole = fileText("BoxTextured.glb");
   for (std::size_t length = 0; length < whole.size(); length += 97) {
