@@ -160,6 +160,11 @@ TEST(Analyser, DefinitionsAreChecked) {
   limits.maximumArrayElements = 10;
   EXPECT_EQ(messagesOf(header("Define: { array a[4][4]; }", "A(n) --> A(n)"), Compatibility::Espalier, limits),
             Messages{"2:17: error: the arrays have more elements than the limit arrayElements (10)"});
+  // all arrays of an L-system together
+  EXPECT_EQ(messagesOf(header("Define: { array a[6], b[4]; }", "A(n) --> A(n)"), Compatibility::Espalier, limits),
+            Messages{});
+  EXPECT_EQ(messagesOf(header("Define: { array a[6], b[5]; }", "A(n) --> A(n)"), Compatibility::Espalier, limits),
+            Messages{"2:23: error: the arrays have more elements than the limit arrayElements (10)"});
 }
 
 // ---- printf and files

@@ -107,6 +107,10 @@ TEST(Preprocessor, ANameThatResultsMayTakeFollowingArguments) {
   EXPECT_EQ(textOf("#define F HALF\n#define HALF(v) v/2\nF(3)\n"), "3/2\n");
 }
 
+TEST(Preprocessor, AMacroThatIsBeingReplacedDoesNotTakeFollowingArguments) {
+  EXPECT_EQ(textOf("#define H(x) F(1)(2)\n#define F(x) H\nH(0)\n"), "H(2)\n");
+}
+
 TEST(Preprocessor, UndefEndsAMacro) {
   EXPECT_EQ(textOf("#define A 1\nA\n#undef A\nA\n"), "1\nA\n");
 }
@@ -234,6 +238,11 @@ TEST(Preprocessor, UnbalancedConditionalsAreErrors) {
 
 // ---- directives
 
+TEST(Preprocessor, AConditionalEndsInItsOwnFile) {
+  EXPECT_EQ(problemsOf("#if 1\n#include \"o.l\"\n#endif\n", {}, {{"o.l", "A\n#endif\n"}}),
+            Messages{"2:1: error: #endif without #if"});
+}
+
 TEST(Preprocessor, OnlyColumnOneStartsADirective) {
   EXPECT_EQ(textOf(" #(2)F\n\t#(2)\n"), " #(2)F\n\t#(2)\n");
 }
@@ -337,6 +346,19 @@ TEST(Preprocessor, AFewBytesDoNotExpandToMegabytes) {
   EXPECT_TRUE(run(comment + text + "A17\n").isComplete);
 }
 
+TEST(Preprocessor, ManySmallExpansionsAreCountedTogether) {
+  std::string text = "#define A0 xxxxxxxxxx\n";
+  for (int i = 1; i < 14; ++i) {
+    const std::string below = "A" + std::to_string(i - 1);
+    text += "#define A" + std::to_string(i) + " " + below + " " + below + "\n";
+  }
+  EXPECT_TRUE(run(text + "A13\n").isComplete);
+  for (int i = 0; i < 30; ++i) {
+    text += "A13\n";
+  }
+  EXPECT_FALSE(run(text).isComplete);
+}
+
 /// Counts how often work asks whether to go on. Each search for the end of a string asks once.
 class CountedWork final : public core::WorkMeter {
  public:
@@ -385,6 +407,14 @@ TEST(Preprocessor, DeepMacrosEndAtALimit) {
             Messages{"11:1: error: the macro 'A4' is nested deeper than the limit macroDepth (5)"});
 }
 
+TEST(Preprocessor, DeepArgumentsEndAtALimit) {
+  PreprocessInput input;
+  input.limits.maximumMacroDepth = 5;
+  EXPECT_EQ(textOf("#define F(x) x\nF(F(F(F(F(1)))))\n", input), "1\n");
+  EXPECT_EQ(problemsOf("#define F(x) x\nF(F(F(F(F(F(1))))))\n", input),
+            Messages{"2:1: error: the macro 'F' is nested deeper than the limit macroDepth (5)"});
+}
+
 TEST(Preprocessor, AFileThatIncludesItselfEndsAtALimit) {
   PreprocessInput input;
   input.limits.maximumIncludeDepth = 3;
@@ -398,6 +428,16 @@ TEST(Preprocessor, TooMuchTextEndsAtALimit) {
   input.limits.maximumSourceBytes = 20;
   EXPECT_EQ(problemsOf(std::string(30, 'A'), input),
             Messages{"1:1: error: the files of the model are longer than the limit sourceBytes (20 bytes)"});
+}
+
+TEST(Preprocessor, MacrosAndTextTogetherEndAtALimit) {
+  // neither the file nor what its macros make reaches the limit alone
+  PreprocessInput input;
+  input.limits.maximumSourceBytes = 1000;
+  const std::string text = "#define A " + std::string(300, 'x') + "\n" + std::string(600, 'y') + "\n";
+  EXPECT_TRUE(run(text + "A\n", input).isComplete);
+  EXPECT_EQ(problemsOf(text + "A A\n", input),
+            Messages{"3:3: error: the preprocessed text is longer than the limit sourceBytes (1000 bytes)"});
 }
 
 }  // namespace
