@@ -74,6 +74,11 @@ TEST(Envelope, RefusesDeepNestingWithoutRecursion) {
   EXPECT_EQ(deep.error.message, "The message nests brackets deeper than 64. Send flatter JSON.");
   // brackets in texts do not count
   EXPECT_EQ(good(R"({"jsonrpc":"2.0","method":"m","params":{"a":")" + std::string(100, '[') + R"("}})").method, "m");
+  // a quote behind a backslash ends no text, one behind two does
+  const std::string many(100, '[');
+  EXPECT_EQ(good(R"({"jsonrpc":"2.0","method":"m","params":{"a":"\")" + many + R"("}})").method, "m");
+  EXPECT_EQ(bad(R"(["\"",)" + many).error.message, deep.error.message);
+  EXPECT_EQ(bad(R"(["\\",)" + many).error.message, deep.error.message);
 }
 
 TEST(Envelope, RefusesNamesThatComeTwiceInAnObject) {
