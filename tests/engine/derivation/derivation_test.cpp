@@ -220,6 +220,27 @@ TEST(Derivation, StopsADecompositionBombWithinTheLimit) {
       << error.message;
 }
 
+TEST(Derivation, DecompositionReachesTheRecursionLimitAndNoFurther) {
+  derivation::DerivationOptions options;
+  options.limits.maximumRecursion = 5;
+  const auto axiom = [](int levels, int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i) {
+      text += "A(" + std::to_string(levels) + ")";
+    }
+    return text;
+  };
+  const std::string rest = "Z --> Z\ndecomposition\nmaximum depth: 100\nA(n) : n > 0 --> A(n-1)\n";
+  // a short string and one that is derived in chunks
+  for (const int count : {1, 3000}) {
+    DerivedModel reaching(modelText("", axiom(5, count), rest), options);
+    reaching.steps(1);
+    EXPECT_EQ(reaching.state().string.parameters()[0], 0.0);
+    DerivedModel beyond(modelText("", axiom(6, count), rest), options);
+    EXPECT_NE(beyond.failingStep().message.find("deeper than 5 (limit recursion)"), std::string::npos) << count;
+  }
+}
+
 TEST(Derivation, StopsAtTheByteLimit) {
   derivation::DerivationOptions options;
   options.limits.maximumStringBytes = 1000;

@@ -68,6 +68,9 @@ TEST(ContextMatcher, StringEndsDoNotMatch) {
 TEST(ContextMatcher, RingContinuesAtTheOtherEnd) {
   EXPECT_EQ(once("Ring Lsystem\n", "B(9)A(1)A(2)", "B(p) < A(q) --> B(q+10)\nA(p) > B(q) --> A(p*2)\n"),
             "B(9)B(11)A(4)");
+  // all around to the module itself, and no further
+  EXPECT_EQ(once("Ring Lsystem\n", "A(1)", "A(p) < A(q) > A(r) --> A(p+q+r)\n"), "A(3)");
+  EXPECT_EQ(once("Ring Lsystem\nignore: x\n", "xA(1)x", "A(p) < A(q) > A(r) --> A(p+q+r)\n"), "xA(3)x");
 }
 
 TEST(ContextMatcher, RingOfIgnoredSymbolsEndsTheSearch) {
@@ -83,6 +86,9 @@ TEST(ContextMatcher, NewLeftContextSeesTheStringBeingProduced) {
   // in one step the signal runs through the whole string
   EXPECT_EQ(once("", "SJJ[J]J", "S << J --> S\n"), "SSS[S]S");
   EXPECT_EQ(once("", "S(1)J(0)J(0)", "S(a) << J(b) --> S(a+1)\n"), "S(1)S(2)S(3)");
+  // several modules stand in the order of the string
+  EXPECT_EQ(once("", "A(1)B(2)C", "A(x) B(y) << C --> C(x,y)\n"), "A(1)B(2)C(1,2)");
+  EXPECT_EQ(once("", "B(2)A(1)C", "A(x) B(y) << C --> C(x,y)\n"), "B(2)A(1)C");
 }
 
 TEST(ContextMatcher, NewRightContextSeesTheStringBeingProducedFromTheRight) {
