@@ -1,9 +1,6 @@
 #include "clients/espalier/validation/canopy_fluxes.h"
 
-#include <map>
-
 #include "clients/espalier/validation/process_run.h"
-#include "engine/turtle/field.h"
 #include "environment/base/number_text.h"
 
 namespace espalier::validation {
@@ -24,7 +21,7 @@ std::string listOf(const std::vector<double>& numbers) {
 }
 
 std::vector<Fluxes> rayFluxes(const environment::Canopy& canopy, double side, const std::vector<Band>& bands,
-                              const Light& light, int directions) {
+                              const Light& light, int directions, int groundCells) {
   std::vector<double> ones;
   std::vector<double> rho;
   std::vector<double> tau;
@@ -36,13 +33,14 @@ std::vector<Fluxes> rayFluxes(const environment::Canopy& canopy, double side, co
     ground.push_back(band.ground);
   }
   std::string text = R"({"sensor":"fluxes","remainder":1e-4,"ground":true,"plot":[0,)" + numberText(side) + ",0," +
-                     numberText(side) + R"(],"directions":)" + std::to_string(directions) + R"(,"bands":)" +
-                     listOf(ones) + R"(,"reflectance":)" + listOf(rho) + R"(,"transmittance":)" + listOf(tau) +
-                     R"(,"groundReflectance":)" + listOf(ground);
+                     numberText(side) + R"(],"directions":)" + std::to_string(directions) + R"(,"groundCells":)" +
+                     std::to_string(groundCells) + R"(,"bands":)" + listOf(ones) + R"(,"reflectance":)" + listOf(rho) +
+                     R"(,"transmittance":)" + listOf(tau) + R"(,"groundReflectance":)" + listOf(ground);
   if (light.zenith > 0.0) {
     const Vec3 sun = light.direction();
     text += R"(,"diffuseIrradiance":0,"sun":"direction","directIrradiance":)" + numberText(1.0 / sun.y) +
-            R"(,"sunDirection":)" + listOf({sun.x, sun.y, sun.z}) + "}";
+            R"(,"sunAzimuths":)" + std::to_string(light.azimuths) + R"(,"sunDirection":)" +
+            listOf({sun.x, sun.y, sun.z}) + "}";
   } else {
     text += R"(,"sky":"uniform","diffuseIrradiance":1})";
   }
@@ -61,7 +59,7 @@ std::vector<Fluxes> rayFluxes(const environment::Canopy& canopy, double side, co
 Fluxes voxelFluxes(const std::array<int, 3>& cells, const std::vector<double>& densities, const std::string& leafAngles,
                    const Band& band, const Light& light) {
   std::string text =
-      R"({"voxelSize":1,"position":[0,0,0],"periodic":true,"scattering":true,"gridSize":)" +
+      R"({"voxelSize":1,"position":[0,0,0],"periodic":true,"scattering":true,"sensor":"fluxes","gridSize":)" +
       listOf({static_cast<double>(cells[0]), static_cast<double>(cells[1]), static_cast<double>(cells[2])}) +
       R"(,"leafAngles":")" + leafAngles + R"(","reflectance":)" + numberText(band.rho) + R"(,"transmittance":)" +
       numberText(band.tau) + R"(,"groundReflectance":)" + numberText(band.ground) + R"(,"leafAreaDensity":)" +
@@ -72,12 +70,9 @@ Fluxes voxelFluxes(const std::array<int, 3>& cells, const std::vector<double>& d
   } else {
     text += R"(,"sky":"uniform"})";
   }
-  const auto answered = runProcess("light-voxels", text, queriesAt({{}}, {0.0}));
-  std::map<std::string, double> values;
-  for (const turtle::Field& field : answered.process->fields()) {
-    values[field.name] = field.values.front();
-  }
-  return {values["leavingUp"], values["downOnGround"], values["absorbedByPlants"], values["absorbedByGround"]};
+  // a sensor: a query without leaves
+  const auto values = runProcess("light-voxels", text, queriesAt({{}}, std::vector<double>(4, 0.0))).replies.values;
+  return {values[0], values[1], values[2], values[3]};
 }
 
 }  // namespace espalier::validation

@@ -41,10 +41,12 @@ struct Band {
   double rho = 0.0, tau = 0.0, ground = 0.0;
 };
 
-/// A direction of the sun; zenith 0: a uniform sky. Degrees.
+/// A direction of the sun, or the mean of `azimuths` directions evenly around the vertical; zenith 0: a uniform sky.
+/// Degrees.
 struct Light {
   double zenith = 0.0;
   double azimuth = 30.0;
+  int azimuths = 1;
 
   [[nodiscard]] core::Vec3 direction() const {
     const double angle = zenith * std::numbers::pi / 180.0;
@@ -59,9 +61,11 @@ struct Light {
 /// Numbers as a JSON list.
 [[nodiscard]] std::string listOf(const std::vector<double>& numbers);
 
-/// The fluxes of all bands in a square stand from 0 to `side` that repeats itself, by the process `light`.
+/// The fluxes of all bands in a square stand from 0 to `side` that repeats itself, by the process `light`, over a
+/// ground of so many squares along each side.
 [[nodiscard]] std::vector<Fluxes> rayFluxes(const environment::Canopy& canopy, double side,
-                                            const std::vector<Band>& bands, const Light& light, int directions);
+                                            const std::vector<Band>& bands, const Light& light, int directions,
+                                            int groundCells);
 
 /// The same of a box of voxels of side 1, by the process `light-voxels`.
 [[nodiscard]] Fluxes voxelFluxes(const std::array<int, 3>& cells, const std::vector<double>& densities,

@@ -18,7 +18,8 @@ using std::numbers::pi;
 
 constexpr double kPlot = 250.0;
 constexpr double kRadius = 5.0;
-constexpr double kDensity = 0.75;  // m² of leaves in a cubic metre
+constexpr double kDensity = 0.75;                                                      // m² of leaves in a cubic metre
+constexpr double kLeafArea = kDensity * 4.0 / 3.0 * pi * kRadius * kRadius * kRadius;  // of a crown
 
 /// The crowns of a table: x, y, height.
 std::vector<Vec3> crownsOf(const ReferenceTable& table) {
@@ -32,27 +33,34 @@ std::vector<Vec3> crownsOf(const ReferenceTable& table) {
 Canopy leavesOf(const std::vector<Vec3>& crowns, std::size_t leaves) {
   Canopy canopy;
   for (const Vec3& crown : crowns) {
-    canopy.crown(crown, kRadius, kDensity * 4.0 / 3.0 * pi * kRadius * kRadius * kRadius, leaves);
+    canopy.crown(crown, kRadius, kLeafArea, leaves);
   }
   return canopy;
 }
 
-/// Leaf area densities of voxels of 1 m, each sampled at 64 points.
+/// Leaf area densities of voxels of 1 m. The leaves of a crown are even in the voxels whose middle is in it, so its
+/// surface stays sharp. With the mean density of voxels at the surface 0.025 less light passes 398 crowns than passes
+/// spheres, against 0.013.
 std::vector<double> densitiesOf(const std::vector<Vec3>& crowns, int side, int layers) {
-  constexpr int kPoints = 44;  // of 1/4 m, over a crown
+  constexpr int kReach = static_cast<int>(kRadius) + 1;
   std::vector<double> densities(static_cast<std::size_t>(side) * static_cast<std::size_t>(side * layers), 0.0);
-  const auto cell = [side](double at) {
-    return static_cast<int>(std::floor(at - side * std::floor(at / side))) % side;
-  };
+  const auto inPlot = [side](int cell) { return (cell % side + side) % side; };
   for (const Vec3& crown : crowns) {
-    for (int i = 0; i < kPoints * kPoints * kPoints; ++i) {
-      const auto offset = [](int number) { return 0.25 * (number - kPoints / 2 + 0.5); };
-      const Vec3 own{offset(i % kPoints), offset(i / kPoints % kPoints), offset(i / (kPoints * kPoints))};
-      if (core::length(own) < kRadius) {
-        const Vec3 place = crown + own;
-        const int layer = static_cast<int>(std::floor(place.y));
-        densities[static_cast<std::size_t>((cell(place.z) * layers + layer) * side + cell(place.x))] += kDensity / 64.0;
+    std::vector<std::size_t> inside;
+    const int x = static_cast<int>(std::floor(crown.x));
+    const int y = static_cast<int>(std::floor(crown.y));
+    const int z = static_cast<int>(std::floor(crown.z));
+    for (int k = z - kReach; k <= z + kReach; ++k) {
+      for (int j = std::max(y - kReach, 0); j <= std::min(y + kReach, layers - 1); ++j) {
+        for (int i = x - kReach; i <= x + kReach; ++i) {
+          if (core::length(Vec3{i + 0.5, j + 0.5, k + 0.5} - crown) < kRadius) {
+            inside.push_back(static_cast<std::size_t>((inPlot(k) * layers + j) * side + inPlot(i)));
+          }
+        }
       }
+    }
+    for (const std::size_t voxel : inside) {
+      densities[voxel] += kLeafArea / static_cast<double>(inside.size());
     }
   }
   return densities;
@@ -86,21 +94,15 @@ bool isLow(const std::string& zenith) {
   return zenith.starts_with("83");
 }
 
-/// The mean over azimuths of the fluxes of all rows.
-std::vector<Fluxes> meanFluxes(const Canopy& canopy, const ForestRows& group, int azimuths) {
-  std::vector<Fluxes> means(group.rows.size());
-  for (int k = 0; k < azimuths; ++k) {
-    Light light = lightOf(group.zenith);
-    light.azimuth += 360.0 * k / azimuths;
-    const std::vector<Fluxes> fluxes = rayFluxes(canopy, kPlot, group.bands, light, 16);
-    for (std::size_t i = 0; i < fluxes.size(); ++i) {
-      means[i].up += fluxes[i].up / azimuths;
-      means[i].down += fluxes[i].down / azimuths;
-      means[i].byPlants += fluxes[i].byPlants / azimuths;
-      means[i].byGround += fluxes[i].byGround / azimuths;
-    }
-  }
-  return means;
+/// The fluxes of all rows. The Monte Carlo run on these crowns has a sun of any azimuth. Squares of the ground must be
+/// small against the gaps between crowns: over snow, squares of 16 m make the crowns absorb 0.005 of the light too
+/// much.
+std::vector<Fluxes> fluxesOf(const Canopy& canopy, const ForestRows& group, bool isQuick) {
+  constexpr int kAzimuths = 16;
+  const int groundCells = isQuick ? 50 : 125;  // of 5 or 2 m
+  Light light = lightOf(group.zenith);
+  light.azimuths = kAzimuths;
+  return rayFluxes(canopy, kPlot, group.bands, light, 16, groundCells);
 }
 
 /// Forests of so many crowns in rays; with a zenith angle only that.
@@ -126,14 +128,15 @@ CaseResult openForest(const Data& data, const std::string& spheres, const std::s
       continue;
     }
     const bool isLowSun = isLow(group.zenith);
-    const std::vector<Fluxes> means = meanFluxes(canopy, group, isLowSun ? 16 : 1);
+    const std::vector<Fluxes> fluxes = fluxesOf(canopy, group, !onlyZenith.empty());
     for (std::size_t i = 0; i < group.rows.size(); ++i) {
       const std::size_t row = group.rows[i];
       const auto number = [&](const char* column) { return table->number(row, column); };
-      absorbed.points.emplace_back(static_cast<double>(row), means[i].byPlants);
+      absorbed.points.emplace_back(static_cast<double>(row), fluxes[i].byPlants);
       published.points.emplace_back(static_cast<double>(row), number("absorbed"));
-      (isLowSun ? low : high).add(means[i], number("absorbed"), number("reflected"), number("down_at_ground"));
-      (isLowSun ? lowToOwn : highToOwn).add(means[i], number("mc_absorbed"), number("mc_reflected"), number("mc_down"));
+      (isLowSun ? low : high).add(fluxes[i], number("absorbed"), number("reflected"), number("down_at_ground"));
+      (isLowSun ? lowToOwn : highToOwn)
+          .add(fluxes[i], number("mc_absorbed"), number("mc_reflected"), number("mc_down"));
     }
   }
   high.addTo(result,

@@ -60,7 +60,7 @@ CaseResult layers(const std::vector<LayerRow>& rows, bool isHorizontal) {
       for (std::size_t i = begin; i < end; ++i) {
         bands.push_back(group[i].band);
       }
-      const std::vector<Fluxes> fluxes = rayFluxes(canopy, kSide, bands, lightOf(key.second), 32);
+      const std::vector<Fluxes> fluxes = rayFluxes(canopy, kSide, bands, lightOf(key.second), 32, 16);
       for (std::size_t i = begin; i < end; ++i) {
         add(rays, fluxes[i - begin], group[i]);
       }

@@ -51,9 +51,17 @@ std::optional<std::string> Daylight::open(const turtle::World& world) {
     north_ = core::normalised(world.north - up_ * core::dot(world.north, up_));
   } else if (sun_ == "direction") {
     const auto& direction = configuration_.numbers("sunDirection");
-    sunDirection_ = core::normalised({direction[0], direction[1], direction[2]});
-    if (!(core::dot(sunDirection_, up_) > 1e-6)) {
+    const Vec3 sun = core::normalised({direction[0], direction[1], direction[2]});
+    if (!(core::dot(sun, up_) > 1e-6)) {
       return "has its sun below the horizon. Give a 'sunDirection' that points up to the sun.";
+    }
+    // turned around the vertical
+    const Vec3 along = up_ * core::dot(sun, up_);
+    const auto azimuths = static_cast<int>(configuration_.integer("sunAzimuths"));
+    sunDirections_ = {sun};
+    for (int k = 1; k < azimuths; ++k) {
+      const double angle = 2.0 * pi * k / azimuths;
+      sunDirections_.push_back(along + (sun - along) * core::cos(angle) + core::cross(up_, sun) * core::sin(angle));
     }
   }
   return std::nullopt;
@@ -64,7 +72,7 @@ tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays, cons
   incoming.sky.assign(directions.all().size(), 0.0);
   if (sun_ != "position") {
     Radiation radiation{configuration_.number("directIrradiance"), configuration_.number("diffuseIrradiance")};
-    const double sine = sun_ == "none" ? 0.0 : core::dot(sunDirection_, up_);
+    const double sine = sun_ == "none" ? 0.0 : core::dot(sunDirections_.front(), up_);
     if (hasMeasured_) {
       const auto read = measured(timeDays, timeDays + stepDays_, sine);
       if (!read) {
@@ -72,10 +80,14 @@ tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays, cons
       }
       radiation = *read;
     }
-    if (sun_ == "direction") {
-      addSun(sunDirection_, radiation.direct, incoming);
+    if (sun_ == "none") {
+      addSky(directions, up_, radiation.diffuse, incoming);
     }
-    addSky(directions, sun_ == "none" ? up_ : sunDirection_, radiation.diffuse, incoming);
+    for (const Vec3& direction : sunDirections_) {
+      const auto count = static_cast<double>(sunDirections_.size());
+      addSun(direction, radiation.direct / count, incoming);
+      addSky(directions, direction, radiation.diffuse / count, incoming);
+    }
     return incoming;
   }
   const auto samples = static_cast<int>(configuration_.integer("sunSamples"));

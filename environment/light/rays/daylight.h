@@ -51,8 +51,8 @@ class Daylight {
   std::vector<double> parts_;  // of the irradiance in each band
   core::Vec3 up_{0, 1, 0};
   core::Vec3 north_{0, 0, -1};
-  core::Vec3 sunDirection_{0, 1, 0};
-  double startDay_ = 0.0;  // Julian day
+  std::vector<core::Vec3> sunDirections_;  // of a sun by its direction
+  double startDay_ = 0.0;                  // Julian day
   double latitude_ = 0.0;
   double longitude_ = 0.0;
   double stepDays_ = 1.0;

@@ -32,7 +32,6 @@ namespace {
 
 using core::Vec3;
 
-constexpr int kGroundCells = 16;
 constexpr std::size_t kMostDirections = 65536;    // that the error asks for
 constexpr std::size_t kRaysOfABalance = 500'000;  // to the sun, of all triangles together
 constexpr double kMostPlots = 50.0;               // that one triangle reaches
@@ -47,6 +46,7 @@ class Light final : public turtle::EnvironmentProcess {
         unit_(configuration.text("unit")),
         remainder_(configuration.number("remainder")),
         error_(configuration.number("error")),
+        groundCells_(static_cast<std::uint32_t>(configuration.integer("groundCells"))),
         daylight_(configuration) {}
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
@@ -138,21 +138,21 @@ class Light final : public turtle::EnvironmentProcess {
       field.name = "groundLight" + numberOf(band);
       field.unit = densityUnit();
       const double height = configuration_.number("groundHeight");
-      const double wide = (plot[1] - plot[0]) / kGroundCells;
-      const double deep = (plot[3] - plot[2]) / kGroundCells;
+      const double wide = (plot[1] - plot[0]) / groundCells_;
+      const double deep = (plot[3] - plot[2]) / groundCells_;
       const Vec3 low = axes_->toWorld({plot[0], height, plot[2]});
       field.position = low;
       const std::array<std::size_t, 2> axes{axes_->up == 0 ? 1U : 0U, axes_->up == 2 ? 1U : 2U};
-      field.cells[axes[0]] = kGroundCells;
-      field.cells[axes[1]] = kGroundCells;
+      field.cells[axes[0]] = groundCells_;
+      field.cells[axes[1]] = groundCells_;
       std::array<double, 3> sizes{};
       sizes[static_cast<std::size_t>(axes_->up)] = std::min(wide, deep);
       sizes[axes[0]] = wide;
       sizes[axes[1]] = deep;
       field.cellSize = {sizes[0], sizes[1], sizes[2]};
-      for (std::size_t second = 0; second < kGroundCells; ++second) {
-        for (std::size_t first = 0; first < kGroundCells; ++first) {
-          field.values.push_back(groundLight_[band][first * kGroundCells + second]);
+      for (std::size_t second = 0; second < groundCells_; ++second) {
+        for (std::size_t first = 0; first < groundCells_; ++first) {
+          field.values.push_back(groundLight_[band][first * groundCells_ + second]);
         }
       }
       fields.push_back(std::move(field));
@@ -413,20 +413,20 @@ class Light final : public turtle::EnvironmentProcess {
     surfaces.groundBegin = surfaces.triangles.size();
     const auto base = static_cast<std::uint32_t>(surfaces.vertices.size());
     const double height = configuration_.number("groundHeight");
-    for (int i = 0; i <= kGroundCells; ++i) {
-      for (int k = 0; k <= kGroundCells; ++k) {
-        const double a = plot[0] + (plot[1] - plot[0]) * i / kGroundCells;
-        const double b = plot[2] + (plot[3] - plot[2]) * k / kGroundCells;
+    for (std::uint32_t i = 0; i <= groundCells_; ++i) {
+      for (std::uint32_t k = 0; k <= groundCells_; ++k) {
+        const double a = plot[0] + (plot[1] - plot[0]) * i / groundCells_;
+        const double b = plot[2] + (plot[3] - plot[2]) * k / groundCells_;
         surfaces.vertices.push_back(axes_->toWorld({a, height, b}));
       }
     }
-    for (std::uint32_t i = 0; i < kGroundCells; ++i) {
-      for (std::uint32_t k = 0; k < kGroundCells; ++k) {
-        const std::uint32_t corner = base + i * (kGroundCells + 1) + k;
-        surfaces.triangles.push_back({corner, corner + 1, corner + kGroundCells + 2});
-        surfaces.triangles.push_back({corner, corner + kGroundCells + 2, corner + kGroundCells + 1});
+    for (std::uint32_t i = 0; i < groundCells_; ++i) {
+      for (std::uint32_t k = 0; k < groundCells_; ++k) {
+        const std::uint32_t corner = base + i * (groundCells_ + 1) + k;
+        surfaces.triangles.push_back({corner, corner + 1, corner + groundCells_ + 2});
+        surfaces.triangles.push_back({corner, corner + groundCells_ + 2, corner + groundCells_ + 1});
         surfaces.material.insert(surfaces.material.end(), 2, kGroundMaterial);
-        const std::uint32_t number = 2 * (i * kGroundCells + k);
+        const std::uint32_t number = 2 * (i * groundCells_ + k);
         surfaces.seed.insert(surfaces.seed.end(), {number, number + 1});
         surfaces.thinning.insert(surfaces.thinning.end(), 2, 0);
       }
@@ -449,14 +449,14 @@ class Light final : public turtle::EnvironmentProcess {
 
   /// The light on the squares of the ground, each two triangles at the end of all.
   void keepGroundLight(const LightSurfaces& surfaces, const std::vector<double>& irradiances, std::size_t band) {
-    constexpr std::size_t kTriangles = 2 * kGroundCells * kGroundCells;
     const std::size_t count = surfaces.triangles.size();
-    if (count < kTriangles || surfaces.material[count - kTriangles] != kGroundMaterial) {
+    const std::size_t squares = std::size_t{groundCells_} * groundCells_;
+    if (count < 2 * squares || surfaces.material[count - 2 * squares] != kGroundMaterial) {
       return;
     }
     const double unit = unitOf(band);
     std::vector<double> light;
-    for (std::size_t triangle = count - kTriangles; triangle < count; triangle += 2) {
+    for (std::size_t triangle = count - 2 * squares; triangle < count; triangle += 2) {
       // either side may be the front, and the other one sees nothing
       double sum = 0.0;
       for (std::size_t side = 2 * triangle; side < 2 * triangle + 4; ++side) {
@@ -514,6 +514,7 @@ class Light final : public turtle::EnvironmentProcess {
   std::string unit_;  // W, umol, mol
   double remainder_;
   double error_;
+  std::uint32_t groundCells_;  // along each side
   Daylight daylight_;
   std::optional<GridAxes> axes_;
   Vec3 up_{0, 1, 0};

@@ -33,6 +33,7 @@ constexpr std::string_view kLightVoxelsSummary =
     "Light in voxels: through a turbid medium of leaves, or by propagated shadows.";
 constexpr std::array<std::string_view, 2> kMethods{"turbid", "shadow"};
 constexpr std::array<std::string_view, 2> kSkies{"uniform", "overcast"};
+constexpr std::array<std::string_view, 2> kSensors{"horizontal", "fluxes"};
 constexpr std::array kLightVoxelsGridSize{40.0, 40.0, 40.0};
 constexpr std::array kLightVoxelsPosition{-10.0, 0.0, -10.0};
 constexpr std::size_t kLightVoxelsMaximumCellCount = std::size_t{1} << 27;
@@ -126,6 +127,12 @@ constexpr std::array kLightVoxelsKeys{
                      .maximum = 0.1,
                      .isMinimumExclusive = true,
                      .defaultNumber = 1e-4},
+    ConfigurationKey{.name = "sensor",
+                     .kind = KeyKind::Choice,
+                     .description = "scattering: the answer to a query with a leaf area of 0: light on a horizontal "
+                                    "plane, or the fluxes of the stand",
+                     .defaultText = "horizontal",
+                     .choices = kSensors},
     ConfigurationKey{.name = "leafAreaDensity",
                      .kind = KeyKind::Numbers,
                      .description =
@@ -167,6 +174,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
       : shape_(shape),
         configuration_(configuration),
         isTurbid_(configuration.text("method") == "turbid"),
+        isFluxSensor_(configuration.text("sensor") == "fluxes"),
         irradiance_(configuration.number("irradiance")),
         fullLight_(configuration.number("fullLight")),
         strength_(configuration.number("shadowStrength")) {
@@ -226,7 +234,9 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     }
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const std::size_t count = queries.parametersOf(query).size();
-      if (count > 0 && isTurbid_) {
+      if (count > 0 && isFluxSensor_ && !(queries.parametersOf(query)[0] > 0.0)) {
+        answerFluxes(queries, query, count, replies);
+      } else if (count > 0 && isTurbid_) {
         answerTurbid(queries, query, count, replies);
       } else if (count > 0) {
         answerShadow(queries, query, count, replies);
@@ -423,6 +433,16 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     }
   }
 
+  /// What leaves upwards, comes down on the ground, is absorbed by plants and by the ground, on a unit of the box.
+  void answerFluxes(const turtle::QueryBatch& queries, std::size_t query, std::size_t count,
+                    turtle::ReplyBatch& replies) const {
+    const ScatteredLight::Fluxes& fluxes = scattered_->fluxes();
+    const std::array<double, 4> values{fluxes.up, fluxes.down, fluxes.byPlants, fluxes.byGround};
+    for (std::size_t k = 0; k < std::min(count, values.size()); ++k) {
+      replies.set(queries, query, k, irradiance_ * values[k]);
+    }
+  }
+
   [[nodiscard]] double lightAt(const Vec3& place) const {
     double light = scatteredAt(place);
     for (const Beam& beam : beams_) {
@@ -456,6 +476,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   VoxelField::Shape shape_;
   Configuration configuration_;
   bool isTurbid_;
+  bool isFluxSensor_;
   double irradiance_;
   double fullLight_;
   double strength_;
@@ -495,6 +516,9 @@ ProcessOrErrors makeLightVoxels(const Configuration& configuration) {
       return refuse("light-voxels", "'reflectance' and 'transmittance' add up to more than 1",
                     "leaves cannot scatter more light than they get");
     }
+  }
+  if (configuration.text("sensor") == "fluxes" && !configuration.flag("scattering")) {
+    return refuse("light-voxels", "a 'sensor' of fluxes needs 'scattering'", "write \"scattering\": true");
   }
   const VoxelField::Shape shape{
       vectorOf(configuration, "position"),

@@ -95,6 +95,36 @@ TEST(StandLight, ALeafOverThePlotPassesLightAsATable) {
   EXPECT_NEAR(fluxes.down, 0.4 / (1 - 0.18), 1e-3);
 }
 
+TEST(StandLight, SmallSquaresOfTheGroundReflectWhereTheLightFalls) {
+  // a black sheet just above half of a white ground: all light that falls beside it leaves again. One square spreads
+  // that half over the ground, and the sheet takes about half of it.
+  Stand stand;
+  stand.rectangle({0, 0.01, 0}, {0, 0, 10}, {5, 0, 0});
+  const auto up = [&](const std::string& cells) {
+    const std::string light = R"("diffuseIrradiance":0,"sun":"direction","directIrradiance":1,"sunDirection":[0,1,0])";
+    return fluxesOf(*openProcess("light", keys(0, 0, 1, 10, light + R"(,"groundCells":)" + cells)), stand).up;
+  };
+  EXPECT_LT(up("1"), 0.35);
+  EXPECT_NEAR(up("16"), 0.5, 0.005);
+}
+
+TEST(StandLight, TheMeanOfSunAzimuthsIsThatOfTheirSuns) {
+  // an upright sheet of 1 m² gets I sin 60° |cos φ|, without a sun along itself
+  Stand stand;
+  stand.rectangle({2, 1, 2}, {0, 1, 0}, {0, 0, 1});
+  const auto incident = [&](const std::string& azimuths) {
+    const auto process = openProcess("light", R"({"diffuseIrradiance":0,"sun":"direction","directIrradiance":2,)"
+                                              R"("sunDirection":[0.8660254037844386,0.5,0],"sunAzimuths":)" +
+                                                  azimuths + "}");
+    return *answersOf(*process, stand.queries())[0][2];
+  };
+  EXPECT_NEAR(incident("1"), 2 * std::sqrt(0.75), 1e-6);
+  EXPECT_NEAR(incident("2"), 2 * std::sqrt(0.75), 1e-6);
+  EXPECT_NEAR(incident("4"), std::sqrt(0.75), 1e-6);
+  EXPECT_NEAR(incident("3"), 2 * std::sqrt(0.75) * 2 / 3, 1e-6);
+  EXPECT_NEAR(incident("64"), 2 * std::sqrt(0.75) * 2 / std::numbers::pi, 2e-3);
+}
+
 TEST(StandLight, AStandThatIsTurnedByARightAngleKeepsItsFluxes) {
   const auto fluxesTurned = [](bool isTurned) {
     Stand stand;

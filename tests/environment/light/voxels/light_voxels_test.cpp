@@ -208,6 +208,9 @@ TEST(LightVoxels, WhatCannotBeIsAnError) {
   EXPECT_EQ(errorsOf(makeProcess("light-voxels", R"({"gridSize":[4096,4096,4096]})")),
             "error: environment process 'light-voxels': the grid has 68719476736 cells, and the limit is 134217728\n"
             "   hint: use fewer cells along x, y or z");
+  EXPECT_EQ(errorsOf(makeProcess("light-voxels", R"({"sensor":"fluxes"})")),
+            "error: environment process 'light-voxels': a 'sensor' of fluxes needs 'scattering'\n"
+            "   hint: write \"scattering\": true");
 }
 
 TEST(LightVoxels, AStepThatFollowsAnotherAnswersLikeANewProcessBitByBit) {

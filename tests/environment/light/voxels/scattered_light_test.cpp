@@ -144,6 +144,40 @@ TEST(VoxelLayers, ScatteredLightReachesTheAnswers) {
   EXPECT_NEAR(absorbed, fieldValue(*process, "absorbedByPlants"), 2e-3);
 }
 
+TEST(VoxelLayers, ASensorGetsTheFluxesOfTheStand) {
+  const std::string keys = scattering(0.3, 0.2, 0.5) + R"("irradiance":400,"sensor":"fluxes","sky":"uniform")";
+  const auto process = openProcess("light-voxels", layer(2, 5, keys));
+  const auto rows = answersOf(
+      *process, QueryBuilder().add({1, 9, 2}, {0, 0, 0, 0, 0}).add({1, 2, 2}, {0}).add({1, 2, 2}, {1e-9}).batch());
+  EXPECT_EQ(*rows[0][0], fieldValue(*process, "leavingUp"));
+  EXPECT_EQ(*rows[0][1], fieldValue(*process, "downOnGround"));
+  EXPECT_EQ(*rows[0][2], fieldValue(*process, "absorbedByPlants"));
+  EXPECT_EQ(*rows[0][3], fieldValue(*process, "absorbedByGround"));
+  EXPECT_NEAR(*rows[0][0] + *rows[0][2] + *rows[0][3], 400, 0.1);
+  EXPECT_EQ(*rows[1][0], *rows[0][0]) << "a query of one parameter";
+  EXPECT_NE(*rows[2][0], *rows[0][0]) << "a leaf gets its light";
+}
+
+TEST(VoxelLayers, LeavesOfManyDensitiesBesideEachOtherGiveTheLightOfTheSumOfTheirWays) {
+  // black leaves: a beam in the plane of x and y at 45° passes voxels of the densities d, and exp(−Σ G d s) is left
+  const auto process = openProcess(
+      "light-voxels",
+      R"({"gridSize":[3,2,1],"voxelSize":1,"position":[0,0,0],"periodic":true,"scattering":true,"reflectance":0,)"
+      R"("transmittance":0,"groundReflectance":0,"directions":[[0.7071067811865476,0.7071067811865476,0,1]],)"
+      R"("leafAreaDensity":[1,0,2,0.5,3,0]})");
+  answersOf(*process, QueryBuilder().add({1, 0, 0.5}, {0}).batch());
+  // from the middle of the top of column x: half a way through it and half through the next one, in both layers
+  const std::array<double, 3> lower{1, 0, 2};
+  const std::array<double, 3> upper{0.5, 3, 0};
+  double passed = 0.0;
+  for (std::size_t x = 0; x < 3; ++x) {
+    const double sum = upper[x] + upper[(x + 2) % 3] + lower[(x + 2) % 3] + lower[(x + 1) % 3];
+    passed += core::exp(-0.5 * sum * std::sqrt(0.5)) / 3;
+  }
+  EXPECT_NEAR(fieldValue(*process, "downOnGround"), passed, 1e-12);
+  EXPECT_NEAR(fieldValue(*process, "absorbedByPlants"), 1 - passed, 1e-12);
+}
+
 TEST(VoxelLayers, ABoxThatStandsAloneBalancesWithItsSides) {
   const auto process = openProcess(
       "light-voxels",
