@@ -77,6 +77,16 @@ test("a panel is read in both formats, and its mistakes are named", () => {
   assert.deepEqual([old.items[0].name, old.items[0].y, old.items[0].message], ["Shade", 15, "d SHADE %d 100"]);
 });
 
+test("a panel has pages and menu items, and a button that is on while it is pressed", () => {
+  const item = (type, name, more) => `type: ${type}\nname: ${name}\n${more}`;
+  const text = ["target: Lsystem", "panel name: Two", "size: 100 100", "", item("PAGE", "Leaves", "color: 1,2,3\norigin: 0 0\nmessage: d PAGE 1\n"), item("LABEL", "a", "origin: 1 2\n"),
+    item("PAGE", "Stem", "message: d PAGE 2\n"), item("BUTTON", "b", "origin: 1 2\nvalue: 2\nmessage: d B %d\n"), item("MENU", "all", "message: d ALL 1\n")].join("\n");
+  const read = panel.parsePanel(text);
+  assert.deepEqual(read.pages, [{ name: "Leaves", message: "d PAGE 1" }, { name: "Stem", message: "d PAGE 2" }]);
+  assert.deepEqual(read.items.map(({ type, name, page, value, message }) => [type, name, page, value, message]), [["label", "a", 0, 0, ""], ["button", "b", 1, 2, "d B %d"], ["menu", "all", 1, 0, "d ALL 1"]]);
+  assert.deepEqual(read.problems, []);
+});
+
 test("a message changes the bytes of its word and nothing else", () => {
   const text = "#define  LEAVES\t8   /* of  a shoot */\r\n#define LEAVES2 8\n# define LEAVES 8\n  #define LEAVES 8\nswap interval: 2\nflag: off\n";
   assert.equal(panel.applyMessage(text, "d LEAVES %d 1", 9), text.replace("LEAVES\t8", "LEAVES\t9").replace("  #define LEAVES 8", "  #define LEAVES 9"));
@@ -93,13 +103,32 @@ test("a message changes the bytes of its word and nothing else", () => {
 
 test("the menu of the folder says which file a panel edits", () => {
   const files = { specifications: "a.l\n*\nL-system:\n\tpanel panel.l | awkped plant.v\n", "plant.l": "", "plant.v": "", "panel.l": "", "panel.v": "" };
-  assert.equal(panel.targetOf(files, "panel.l", "plant.l"), "plant.v");
-  assert.equal(panel.targetOf({ ...files, specifications: "" }, "panel.v", "plant.l"), "plant.v");
+  assert.deepEqual(panel.targetOf(files, "panel.l", "plant.l"), { file: "plant.v", editor: "awkped" });
+  assert.deepEqual(panel.targetOf({ ...files, specifications: "" }, "panel.v", "plant.l"), { file: "plant.v", editor: "awkped" });
+  const by = (command) => panel.targetOf({ ...files, specifications: `panel panel.v | ${command} plant.v` }, "panel.v", "plant.l").editor;
+  assert.deepEqual([by("ped"), by("awkped -lstudio")], ["ped", "awkped -lstudio"]);
+});
+
+test("each editor of messages finds the number in its own way", () => {
+  const text = "a\nb: off\nc: 1.5, 2 ,3 rest\nelasticity increment: 0.1\n";
+  const ped = (message, value) => panel.applyMessage(text, message, value, "ped");
+  assert.equal(ped("n 4 1 -2 %d", 35), text.replace("increment: 0.1", "increment: 0.3500"));
+  assert.equal(ped("n 3 2 0 %d", 7), text.replace(", 2 ,", ", 7 ,"));
+  assert.equal(ped("n 3 3 -1 %d", 45), text.replace(",3 rest", ",4.5000 rest"));
+  assert.equal(ped("o 2 %d", 1), text.replace("b: off", "b: on"));
+  assert.equal(ped("d a %d 1", 4), text);
+  assert.throws(() => ped("n 1 1 0 %d", 9), /does not have/);
+  assert.equal(panel.applyMessage(text, "n 4 3 -2 %d", 35), text.replace("0.1", "0.35"));
+  assert.equal(panel.applyMessage(text, "4 1 %d 100", 35, "awkped -lstudio"), text.replace("0.1", "0.35"));
+  // the slider shows what the file says
+  assert.equal(panel.valueInText(text, { message: "n 4 1 -2 %d" }, "ped"), 10);
+  assert.equal(panel.valueInText(text, { message: "n 4 3 -2 %d" }), 10);
+  assert.equal(panel.valueInText(text, { message: "n 4 1 -2 %d" }), null);
 });
 
 test("a control point of a function moves, and the other lines keep their bytes", () => {
   const text = readFileSync(join(here, "../../gallery/lilac/height.func"), "utf8");
-  const read = curve.parseCurve("height.func", text);
+  const [read] = curve.parseCurves("height.func", text);
   assert.deepEqual(read.points.map(({ x, y }) => [x, y]), [[0, 0.75], [0.1, 1.05], [0.4, 0.9], [0.8, 0.35], [1, 0.12]]);
   const moved = curve.withPoint(text, read, 1, 0.25, 1.2);
   assert.equal(moved, text.replace("0.1 1.05 1", "0.25 1.2 1"));
@@ -109,7 +138,29 @@ test("a control point of a function moves, and the other lines keep their bytes"
   // an open spline begins and ends in its end points
   const line = curve.spline(read);
   assert.deepEqual([line[0], line.at(-1)], [[0, 0.75], [1, 0.12]]);
-  assert.equal(curve.parseCurve("a.l", text), null);
+  assert.deepEqual(curve.parseCurves("a.l", text), []);
+});
+
+test("every function, contour and set of them opens, and a point that moves changes only its line", () => {
+  const folders = ["../../gallery", "../../../tests/conformance/cases"].map((name) => join(here, name));
+  const files = folders.flatMap((folder) => readdirSync(folder, { recursive: true }).filter((name) => /\.(func|fset|con|cset)$/.test(name)).map((name) => join(folder, name)));
+  assert.ok(files.length >= 5 && files.some((name) => name.endsWith(".fset")), `${files.length} files`);
+  for (const file of files) {
+    const text = readFileSync(file, "utf8");
+    const found = curve.parseCurves(file, text);
+    assert.equal(found.length, text.match(/^points:/gm).length, file);
+    for (const one of found) {
+      one.points.forEach(({ x, y }, i) => {
+        assert.equal(curve.withPoint(text, one, i, x, y).split("\n").length, text.split("\n").length);
+        const changed = curve.withPoint(text, one, i, x, y + 0.125).split("\n").filter((line, k) => line !== text.split("\n")[k]);
+        assert.equal(changed.length, 1, file);
+      });
+    }
+  }
+  const set = readFileSync(join(folders[1], "043-func-set-macros/set.fset"), "utf8");
+  const [rise, fall] = curve.parseCurves("set.fset", set);
+  assert.deepEqual([rise.name, fall.name], ["rise", "Fall"]);
+  assert.equal(curve.withPoint(set, fall, 1, 0.4, 0.75), set.replace("0.400000 0.500000", "0.400000 0.75"));
 });
 
 test("every surface file opens, and a control point that moves changes only its own numbers", () => {

@@ -8,7 +8,23 @@ const WIDTH = 360;
 const HEIGHT = 200;
 const MARGIN = 26;
 
-export function Graph({ studio, file, curve }: { studio: Studio; file: string; curve: Curve }) {
+/** The curves of a file; of a set one at a time. */
+export function Graphs({ studio, file, curves }: { studio: Studio; file: string; curves: Curve[] }) {
+  const [chosen, choose] = useState(0);
+  const index = Math.min(chosen, curves.length - 1);
+  return (
+    <>
+      {curves.length > 1 && (
+        <select id="curve" class="chip" aria-label={`Curve of ${file}`} value={index} onChange={(event) => choose(Number(event.currentTarget.value))}>
+          {curves.map(({ name }, i) => <option key={i} value={i}>{name || `curve ${i + 1}`}</option>)}
+        </select>
+      )}
+      <Graph key={index} studio={studio} file={file} curve={curves[index]} />
+    </>
+  );
+}
+
+function Graph({ studio, file, curve }: { studio: Studio; file: string; curve: Curve }) {
   const place = useRef<SVGSVGElement>(null);
   const [held, setHeld] = useState<{ index: number; frame: number[] } | null>(null);
   const line = spline(curve);

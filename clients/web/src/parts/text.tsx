@@ -3,10 +3,10 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { Diagnostic } from "espalier";
 import type { Studio } from "../studio/studio.js";
 import { fileOf } from "../studio/document.js";
-import { parseCurve } from "../studio/curve.js";
+import { parseCurves } from "../studio/curve.js";
 import { parseSurface } from "../studio/surface.js";
 import { Editor, remedyOf } from "./editor.js";
-import { Graph } from "./graph.js";
+import { Graphs } from "./graph.js";
 import { IconButton } from "./icons.js";
 import { LanguageHelp } from "./language_help.js";
 import { SurfaceBoard } from "./surface_board.js";
@@ -46,7 +46,7 @@ export function TextPane({ studio }: { studio: Studio }) {
   }, []);
   useEffect(() => void editor.current?.show(document.title, openFile, document.files[openFile] ?? ""), [document, openFile]);
   useEffect(() => editor.current?.mark(diagnostics), [diagnostics, openFile]);
-  const curve = parseCurve(openFile, document.files[openFile] ?? "");
+  const curves = parseCurves(openFile, document.files[openFile] ?? "");
   const surface = parseSurface(openFile, document.files[openFile] ?? "");
   const fileOfProblem = (one: Diagnostic) => (one.file ?? "").split("/").pop()!;
   // the editor shows the file of a problem first
@@ -77,7 +77,7 @@ export function TextPane({ studio }: { studio: Studio }) {
         )}
       </div>
       <div class="editor">
-        {curve && <Graph studio={studio} file={openFile} curve={curve} />}
+        {curves.length > 0 && <Graphs key={openFile} studio={studio} file={openFile} curves={curves} />}
         {surface && <SurfaceBoard key={openFile} studio={studio} file={openFile} surface={surface} />}
         <div class="code" ref={place} />
       </div>

@@ -8,25 +8,40 @@ export interface ControlPoint {
 }
 
 export interface Curve {
+  name: string;
   isFunction: boolean; // x runs from 0 to 1
   isClosed: boolean;
   points: ControlPoint[];
 }
 
-/** The curve of a `.func`, `.con` or curve file; nothing when the text is none. */
-export function parseCurve(name: string, text: string): Curve | null {
-  const isFunction = /\.func$/.test(name);
-  const head = /^[ \t]*points:[ \t]*(\d+)[^\n]*\n/m.exec(text);
-  if (!head || !/\.(func|con|crv|curve)$/.test(name)) {
+const HEAD = /^[ \t]*points:[ \t]*(\d+)[^\n]*\n/m;
+// a set has several, each with a head of its own
+const SET_ENTRY = /^[ \t]*[fc]ver\b/gm;
+
+/** The curves of a function, contour or curve file, or of a set of them; none when the text is none of these. */
+export function parseCurves(name: string, text: string): Curve[] {
+  const suffix = /\.(func|fset|con|cset|crv|curve)$/.exec(name)?.[1];
+  if (!suffix) {
+    return [];
+  }
+  const begins = suffix.endsWith("set") ? [...text.matchAll(SET_ENTRY)].map(({ index }) => index) : [0];
+  return begins.map((begin, i) => parseCurve(text, begin, begins[i + 1] ?? text.length, suffix.startsWith("f"))).filter((curve) => curve !== null);
+}
+
+/** The curve between two places of a text. */
+function parseCurve(text: string, begin: number, end: number, isFunction: boolean): Curve | null {
+  const part = text.slice(begin, end);
+  const head = HEAD.exec(part);
+  if (!head) {
     return null;
   }
   // what follows `points:` in contours: type and samples
   const points: ControlPoint[] = [];
   const row = /^[ \t]*([-+]?[\d.]+(?:[eE][-+]?\d+)?)([ \t]+)([-+]?[\d.]+(?:[eE][-+]?\d+)?)([ \t]+[-+.\deE]+)?([ \t]+\d+)?[ \t]*\r?$/gm;
   row.lastIndex = head.index + head[0].length;
-  for (let match = row.exec(text); match && points.length < Number(head[1]); match = row.exec(text)) {
+  for (let match = row.exec(part); match && points.length < Number(head[1]); match = row.exec(part)) {
     const indent = match[0].length - match[0].trimStart().length;
-    const x = match.index + indent;
+    const x = begin + match.index + indent;
     const y = x + match[1].length + match[2].length;
     const last = isFunction ? match[4] : match[5];
     points.push({
@@ -36,7 +51,8 @@ export function parseCurve(name: string, text: string): Curve | null {
       at: [{ from: x, to: x + match[1].length }, { from: y, to: y + match[3].length }],
     });
   }
-  return points.length >= 2 ? { isFunction, isClosed: /^type:\s*c/m.test(text), points } : null;
+  const title = /^[ \t]*name:[ \t]*(.*?)[ \t]*\r?$/m.exec(part)?.[1] ?? "";
+  return points.length >= 2 ? { name: title, isFunction, isClosed: /^type:\s*c/m.test(part), points } : null;
 }
 
 const short = (value: number): string => String(Number(value.toFixed(4)));
