@@ -166,6 +166,7 @@ struct SavePolicy {
 struct CreateParams {
   ModelParams model;
   std::vector<NamedModel> models;             // instead of `model`; empty: that one
+  std::string simulation;                     // its identifier; empty: the server draws one
   std::string name;                           // for people; empty: the model's
   std::optional<std::uint64_t> seed;          // nothing: the server draws one and says which
   std::string environmentJson;                // text of an array; empty: no environment

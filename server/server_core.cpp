@@ -188,7 +188,8 @@ std::shared_ptr<SimulationRunner> ServerCore::find(const std::string& simulation
   return found == simulations_.end() ? nullptr : found->second;
 }
 
-std::variant<std::string, protocol::Error> ServerCore::reserve(const std::string& session, const std::string& owner) {
+std::variant<std::string, protocol::Error> ServerCore::reserve(const std::string& session, const std::string& owner,
+                                                               const std::string& wanted) {
   const ServerLimits& limits = options_.limits;
   const Account& account = accounts_.of(owner);
   const std::lock_guard lock(mutex_);
@@ -204,7 +205,10 @@ std::variant<std::string, protocol::Error> ServerCore::reserve(const std::string
     return protocol::limitError("simulationsPerSession", bound + 1, bound,
                                 "Delete one that this connection made first.");
   }
-  std::string name = randomName();
+  if (simulations_.contains(wanted)) {
+    return protocol::memberError("params.simulation", "another request makes this simulation now; ask again");
+  }
+  std::string name = wanted.empty() ? randomName() : wanted;
   while (simulations_.contains(name)) {
     name = randomName();
   }

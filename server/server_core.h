@@ -68,10 +68,11 @@ class ServerCore {
   /// The error that answers every request for it, but simulation.delete.
   [[nodiscard]] std::optional<protocol::Error> findDamaged(const std::string& simulation) const;
   [[nodiscard]] std::optional<std::string> removeDamaged(const std::string& simulation);
-  /// Reserves a new identifier for add(). It counts for the session until it is removed. An error when the session, its
-  /// account, or the server has as many simulations as it may have.
-  [[nodiscard]] std::variant<std::string, protocol::Error> reserve(const std::string& session,
-                                                                   const std::string& owner);
+  /// Reserves an identifier for add(): `wanted`, or a new one when that is empty. It counts for the session until it is
+  /// removed. An error when it is taken, or when the session, its account, or the server has as many simulations as it
+  /// may have.
+  [[nodiscard]] std::variant<std::string, protocol::Error> reserve(const std::string& session, const std::string& owner,
+                                                                   const std::string& wanted = {});
   void add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted);
   /// Forgets an identifier, and the simulation when there is one. It is not closed.
   void remove(const std::string& simulation);

@@ -12,6 +12,14 @@ namespace {
 // of iterated coupling: answers that change after so many will not settle
 constexpr std::int64_t kMostIterations = 10'000;
 
+/// Whether a text has the form of the identifiers that servers draw.
+bool isSimulationName(std::string_view text) {
+  constexpr std::string_view kPrefix = "sim-";
+  constexpr std::size_t kDigits = 12;
+  return text.size() == kPrefix.size() + kDigits && text.starts_with(kPrefix) &&
+         text.find_first_not_of("0123456789abcdef", kPrefix.size()) == std::string_view::npos;
+}
+
 constexpr double kMinimumHertz = 0.001;
 constexpr double kMaximumHertz = 1000.0;
 
@@ -225,6 +233,12 @@ Expected<CreateParams> decodeCreateParams(const Payload& payload) {
         params["models"].fail("give \"model\" or \"models\", not both");
       }
       readModels(params, readModelParams, create.models);
+    }
+    if (const Member simulation = params["simulation"]; !simulation.isAbsent()) {
+      create.simulation = simulation.text();
+      if (!isSimulationName(create.simulation)) {
+        simulation.failExpected("an identifier that a server gave, as sim-5d03a1c7e2b4");
+      }
     }
     create.name = params["name"].textOrEmpty();
     readOptionalCount(params["seed"], create.seed);

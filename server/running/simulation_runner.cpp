@@ -81,6 +81,16 @@ bool SimulationRunner::hasSteps() const {
   return (current_ != nullptr && isStepping(current_)) || std::any_of(queue_.begin(), queue_.end(), isStepping);
 }
 
+void SimulationRunner::replace(std::unique_ptr<HostedSimulation> other) {
+  {
+    const std::lock_guard lock(mutex_);
+    hosted_.swap(other);
+  }
+  milliseconds_ = 0.0;
+  lastError_.clear();
+  publishState(true);
+}
+
 void SimulationRunner::publishEndOf(Command& command) {
   command.isAnswered = true;
   publishInformation();

@@ -93,6 +93,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
 
   // inside Command::advance only
   [[nodiscard]] HostedSimulation& hosted() { return *hosted_; }
+  /// Another simulation takes the place of this one. The streams go on with it.
+  void replace(std::unique_ptr<HostedSimulation> other);
   [[nodiscard]] std::uint32_t callSeconds() const { return callSeconds_; }
   /// After a failure in this turn: the error of the account when the turn was refused memory, else `error`.
   [[nodiscard]] protocol::Error reasonOf(protocol::Error error) const;

@@ -130,37 +130,12 @@ std::vector<core::Diagnostic> warningsOfRun(const language::Program& program, co
   return warnings;
 }
 
-/// Compiles, builds, saves and answers. On a worker.
-void createSimulation(const Request& request, protocol::CreateParams params, Interruption& interruption) {
-  Session& session = request.session;
-  const protocol::MessageId& id = request.id;
-  ServerCore& core = session.core();
-  if (const auto problem = expandGalleryForest(core.options().galleryFolder, params)) {
-    session.respondError(id, *problem);
-    return;
-  }
-  core.keepRoom(session.account());
-  PartMeter modelMemory;
-  auto compiled = [&] {
-    const core::WorkMeter::Scope scope(&modelMemory);
-    return compileModels(core, params);
-  }();
-  if (!compiled) {
-    session.respondError(id, compiled.error());
-    return;
-  }
-  const CompiledModels& models = *compiled;
-  const auto reserved = core.reserve(session.id(), session.account().owner());
-  if (const auto* error = std::get_if<protocol::Error>(&reserved)) {
-    session.respondError(id, *error);
-    return;
-  }
-  const std::string& name = std::get<std::string>(reserved);
-
-  // a restarted server makes the simulation again from the record
+/// What a restarted server makes the simulation again from.
+SimulationRecord recordOf(protocol::CreateParams params, const CompiledModels& models, std::string id,
+                          std::string owner) {
   SimulationRecord record;
-  record.id = name;
-  record.owner = session.account().owner();
+  record.id = std::move(id);
+  record.owner = std::move(owner);
   record.seed = effectiveSeed(params, models.programs);
   record.hasSeed = params.seed.has_value();
   record.create = std::move(params);
@@ -177,6 +152,54 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   if (record.create.environmentJson.empty()) {
     record.create.environmentJson = models.environmentJson;
   }
+  return record;
+}
+
+/// The answer, with all warnings.
+protocol::CreateResult resultWithWarnings(HostedSimulation& hosted, const CompiledModels& models) {
+  protocol::CreateResult result = createResultOf(hosted);
+  result.diagnostics = toRecords(models.diagnostics);
+  // in a forest other plants may ask
+  if (models.programs.size() == 1 && !hosted.processNames().empty()) {
+    if (const auto unasked = language::unaskedEnvironment(*models.programs.front())) {
+      result.diagnostics.push_back(toRecords({*unasked}).front());
+    }
+  }
+  for (const auto& program : models.programs) {
+    for (protocol::DiagnosticRecord& warning : toRecords(warningsOfRun(*program, hosted))) {
+      result.diagnostics.push_back(std::move(warning));
+    }
+  }
+  return result;
+}
+
+/// Compiles, builds, saves and answers. On a worker.
+void createSimulation(const Request& request, protocol::CreateParams params, Interruption& interruption) {
+  Session& session = request.session;
+  const protocol::MessageId& id = request.id;
+  ServerCore& core = session.core();
+  if (const auto problem = expandForest(core.options().galleryFolder, params)) {
+    session.respondError(id, *problem);
+    return;
+  }
+  core.keepRoom(session.account());
+  PartMeter modelMemory;
+  auto compiled = [&] {
+    const core::WorkMeter::Scope scope(&modelMemory);
+    return compileModels(core, params);
+  }();
+  if (!compiled) {
+    session.respondError(id, compiled.error());
+    return;
+  }
+  const CompiledModels& models = *compiled;
+  const auto reserved = core.reserve(session.id(), session.account().owner(), params.simulation);
+  if (const auto* error = std::get_if<protocol::Error>(&reserved)) {
+    session.respondError(id, *error);
+    return;
+  }
+  const std::string& name = std::get<std::string>(reserved);
+  SimulationRecord record = recordOf(std::move(params), models, name, session.account().owner());
   std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
   try {
     made =
@@ -203,22 +226,37 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   }
   auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
   hosted->setModelBytes(modelMemory.net());
-  protocol::CreateResult result = createResultOf(*hosted);
-  result.diagnostics = toRecords(models.diagnostics);
-  // in a forest other plants may ask
-  if (models.programs.size() == 1 && !hosted->processNames().empty()) {
-    if (const auto unasked = language::unaskedEnvironment(*models.programs.front())) {
-      result.diagnostics.push_back(toRecords({*unasked}).front());
-    }
-  }
-  for (const auto& program : models.programs) {
-    for (protocol::DiagnosticRecord& warning : toRecords(warningsOfRun(*program, *hosted))) {
-      result.diagnostics.push_back(std::move(warning));
-    }
-  }
+  const protocol::CreateResult result = resultWithWarnings(*hosted, models);
   core.add(name, std::move(hosted));
   core.log().info("created", {.session = session.id(), .simulation = name, .token = session.tokenName()});
   session.respond(id, protocol::encode(result));
+}
+
+/// The same in the place of a simulation that is there. In its turn; on failure it stays as it is.
+protocol::Expected<std::string> replaceSimulation(ServerCore& core, SimulationRunner& runner,
+                                                  protocol::CreateParams params) {
+  if (auto problem = expandForest(core.options().galleryFolder, params)) {
+    return tl::unexpected(std::move(*problem));
+  }
+  PartMeter modelMemory;
+  auto compiled = [&] {
+    const core::WorkMeter::Scope scope(&modelMemory);
+    return compileModels(core, params);
+  }();
+  if (!compiled) {
+    return tl::unexpected(compiled.error());
+  }
+  Interruption ofTurn;  // the runner gives the turn up
+  auto made = HostedSimulation::create(
+      recordOf(std::move(params), *compiled, runner.id(), runner.hosted().record().owner), compiled->programs,
+      compiled->palette, core.options().limits.simulation, core.environmentServices(), core.store(), ofTurn);
+  if (auto* error = std::get_if<protocol::Error>(&made)) {
+    return tl::unexpected(std::move(*error));
+  }
+  auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
+  hosted->setModelBytes(modelMemory.net());
+  runner.replace(std::move(hosted));
+  return protocol::encode(resultWithWarnings(runner.hosted(), *compiled));
 }
 
 }  // namespace
@@ -226,6 +264,17 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
 namespace methods {
 
 void simulationCreate(const Request& request, protocol::CreateParams params) {
+  ServerCore& core = request.session.core();
+  if (const auto damaged = core.findDamaged(params.simulation)) {
+    request.session.respondError(request.id, *damaged);
+    return;
+  }
+  if (auto runner = core.find(params.simulation)) {
+    computeInTurn(request, std::move(runner), [&core, create = std::move(params)](SimulationRunner& self) {
+      return replaceSimulation(core, self, create);
+    });
+    return;
+  }
   const auto interruption = std::make_shared<Interruption>();
   runOnWorker(
       request,

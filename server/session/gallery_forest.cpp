@@ -1,6 +1,7 @@
 #include "server/session/gallery_forest.h"
 
 #include <filesystem>
+#include <functional>
 #include <utility>
 
 #include "protocol/codec.h"
@@ -14,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-protocol::Error forestError(const std::string& gallery, const std::string& problem) {
-  return {protocol::ErrorCode::InvalidParams, "The gallery's '" + gallery + "/" + kForestFile + "': " + problem, {}};
+protocol::Error forestError(const std::string& folder, const std::string& problem) {
+  return {protocol::ErrorCode::InvalidParams, folder + kForestFile + "': " + problem, {}};
 }
 
 protocol::Expected<protocol::ForestParams> readForest(const std::string& text) {
@@ -29,53 +30,68 @@ protocol::Expected<protocol::ForestParams> readForest(const std::string& text) {
   return protocol::decodeForestParams(message->payload);
 }
 
+/// A text of the folder; nothing: it has no such file.
+using ReadText = std::function<std::optional<std::string>(const std::string& file)>;
+
 /// The environment of a forest as the text of a list; empty: none.
-std::string environmentOf(const protocol::ForestParams& forest, const std::string& gallery, const fs::path& folder) {
+std::string environmentOf(const protocol::ForestParams& forest, const std::string& gallery, const ReadText& read) {
   if (forest.environmentFile.empty()) {
     return asEnvironmentList(forest.environmentJson);
   }
   if (fs::path(forest.environmentFile).extension() == ".json") {
-    DiskFileProvider files;
-    return asEnvironmentList(
-        files.readInside(folder.string(), (folder / forest.environmentFile).string()).value_or(std::string()));
+    return asEnvironmentList(read(forest.environmentFile).value_or(std::string()));
   }
-  // an environment file (.e) of the gallery, by the name of its folder
-  return R"([{"type":"gallery","model":")" + gallery + "\"}]";
+  // an environment file (.e) of the gallery, by the name of its folder; a request brings its own environment
+  return gallery.empty() ? std::string() : R"([{"type":"gallery","model":")" + gallery + "\"}]";
 }
 
 }  // namespace
 
-std::optional<protocol::Error> expandGalleryForest(const std::string& galleryFolder, protocol::CreateParams& params) {
-  const auto& gallery = params.model.model.gallery;
-  if (!gallery || !params.models.empty() || !params.plants.empty()) {
+std::optional<protocol::Error> expandForest(const std::string& galleryFolder, protocol::CreateParams& params) {
+  const protocol::ModelReference& reference = params.model.model;
+  if (!params.models.empty() || !params.plants.empty()) {
     return std::nullopt;
   }
-  const std::string name = *gallery;
-  const auto folder = galleryFolderOf(galleryFolder, name);
-  if (!folder) {
-    return std::nullopt;
-  }
-  DiskFileProvider files;
-  const auto text = files.readInside(folder->string(), (*folder / kForestFile).string());
+  const std::string name = reference.gallery.value_or(std::string());
+  const auto folder = name.empty() ? std::nullopt : galleryFolderOf(galleryFolder, name);
+  const ReadText readText = [&reference, &folder](const std::string& file) -> std::optional<std::string> {
+    if (folder) {
+      DiskFileProvider files;
+      const auto found = files.readInside(folder->string(), (*folder / file).string());
+      return found ? std::optional(*found) : std::nullopt;
+    }
+    const auto found = reference.files.find(file);
+    return found == reference.files.end() ? std::nullopt : std::optional(found->second);
+  };
+  const auto text = readText(kForestFile);
   if (!text) {
     return std::nullopt;
   }
+  const std::string place = name.empty() ? "The model's '" : "The gallery's '" + name + "/";
   auto read = readForest(*text);
   if (!read) {
-    return forestError(name, read.error().message);
+    return forestError(place, read.error().message);
   }
   auto& forest = *read;
   for (protocol::NamedModel& model : forest.models) {
     if (fs::path(model.file).filename() != fs::path(model.file)) {
-      return forestError(name, "the model file '" + model.file + "' is not in the folder of the forest");
+      return forestError(place, "the model file '" + model.file + "' is not in the folder of the forest");
+    }
+    if (name.empty() && !reference.files.contains(model.file)) {
+      return forestError(place, "the model file '" + model.file + "' did not come with the request");
     }
     model.model = params.model;
     model.model.model.main = model.file;
   }
+  // the texts of the request are read before they go
+  std::string environment;
+  if (params.environmentTypes.empty()) {
+    environment = environmentOf(forest, name, readText);
+  }
   params.models = std::move(forest.models);
   params.plants = std::move(forest.plants);
   params.seeds = forest.seeds;
-  if (params.name.empty()) {
+  if (params.name.empty() && !name.empty()) {
     params.name = name;
   }
   if (!params.seed) {
@@ -85,7 +101,7 @@ std::optional<protocol::Error> expandGalleryForest(const std::string& galleryFol
     params.derivationLength = forest.derivationLength;
   }
   if (params.environmentTypes.empty()) {
-    params.environmentJson = environmentOf(forest, name, *folder);
+    params.environmentJson = environment;
   }
   return std::nullopt;
 }

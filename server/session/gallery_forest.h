@@ -8,11 +8,11 @@
 
 namespace espalier::server {
 
-/// A gallery folder that holds a `forest.json` is a forest (clients/espalier/README.md). When `params` name such a
-/// folder and have no plants, the forest's models, plants and seeds replace `model`. Its environment, derivation length
-/// and seed are used where `params` have none. Returns the mistake in the file; nothing otherwise, also when there is
-/// no forest.
-[[nodiscard]] std::optional<protocol::Error> expandGalleryForest(const std::string& galleryFolder,
-                                                                 protocol::CreateParams& params);
+/// A gallery folder that holds a `forest.json` is a forest (clients/espalier/README.md), and so are the files of a
+/// folder that come with a request. When `params` have such a model and no plants, the forest's models, plants and
+/// seeds replace `model`. Its environment, derivation length and seed are used where `params` have none. Returns the
+/// mistake in the file; nothing otherwise, also when there is no forest.
+[[nodiscard]] std::optional<protocol::Error> expandForest(const std::string& galleryFolder,
+                                                          protocol::CreateParams& params);
 
 }  // namespace espalier::server

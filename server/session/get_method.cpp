@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "engine/core/check.h"
 #include "engine/derivation/explanation.h"
@@ -45,19 +46,75 @@ Problem writeStateHash(SimulationRunner& runner, const protocol::GetParams&, pro
   return std::nullopt;
 }
 
+std::string lastPart(const std::string& path) {
+  return path.substr(path.find_last_of('/') + 1);
+}
+
+/// The name of a source without the folder, which is the server's own affair; two files of one name keep it.
+std::string nameOfSource(const language::Program& program, const std::string& path) {
+  const std::string name = lastPart(path);
+  const auto count = std::count_if(program.sources.begin(), program.sources.end(),
+                                   [&name](const auto& file) { return lastPart(file.name) == name; });
+  return count > 1 ? path : name;
+}
+
+/// What a simulation of several models or plants adds to its files: a `forest.json` that makes it again. `mains` has
+/// the file of each model.
+void writeForest(HostedSimulation& hosted, const std::vector<std::string>& mains, protocol::JsonWriter& result) {
+  const protocol::CreateParams& create = hosted.record().create;
+  result.key("forest").beginObject().key("models").beginArray();
+  for (std::size_t i = 0; i < mains.size(); ++i) {
+    const bool isNamed = i < create.models.size();
+    result.beginObject().key("name").text(isNamed ? create.models[i].name : "plant").key("file").text(mains[i]);
+    result.key("colour").integer(isNamed ? create.models[i].colour : 0).endObject();
+  }
+  result.endArray();
+  writePlants(result, create.plants.empty() ? std::vector<protocol::PlantParams>(1) : create.plants);
+  writeSeeds(result, create.seeds);
+  result.key("derivationLength").integer(hosted.simulation().derivationLength()).endObject();
+}
+
+/// The files of all models by name. A model whose files another one has with other texts has its name before theirs.
 Problem writeModel(SimulationRunner& runner, const protocol::GetParams&, protocol::JsonWriter& result) {
-  const language::Program& program = runner.hosted().simulation().program();
-  result.key("model").beginObject().key("main").text(program.modelFile).key("files").beginObject();
-  std::string files;
-  for (const auto& file : program.sources) {
-    protocol::JsonWriter name;
-    protocol::JsonWriter text;
-    files += (files.empty() ? "" : ",") + name.text(file.name).take() + ":" + text.text(file.text).take();
+  HostedSimulation& hosted = runner.hosted();
+  const protocol::CreateParams& create = hosted.record().create;
+  const simulation::Programs& programs = hosted.simulation().programs();
+  std::map<std::string, std::string> files;
+  std::vector<std::string> mains;
+  for (const auto& program : programs) {
+    const auto nameOf = [&program](const std::string& path) { return nameOfSource(*program, path); };
+    const bool hasOther = std::any_of(program->sources.begin(), program->sources.end(), [&](const auto& file) {
+      const auto found = files.find(nameOf(file.name));
+      return found != files.end() && found->second != file.text;
+    });
+    const std::string prefix = hasOther ? create.models[mains.size()].name + "-" : "";
+    for (const auto& file : program->sources) {
+      files.emplace(prefix + nameOf(file.name), file.text);
+    }
+    mains.push_back(prefix + nameOf(program->modelFile));
   }
-  if (!files.empty()) {
-    result.raw(files);
+  result.key("model").beginObject().key("main").text(mains.front()).key("files").beginObject();
+  for (const auto& [name, text] : files) {
+    result.key(name).text(text);
   }
-  result.endObject().endObject();
+  // they win over #define
+  result.endObject().key("parameters").beginObject();
+  std::map<std::string, std::string> defines;
+  for (const auto& program : programs) {
+    defines.insert(program->defines.begin(), program->defines.end());
+  }
+  for (const auto& [name, value] : defines) {
+    result.key(name).text(value);
+  }
+  result.endObject();
+  // that the request or the folder gave, not the text
+  if (create.derivationLength) {
+    result.key("derivationLength").integer(*create.derivationLength);
+  }
+  if (!create.models.empty() || !create.plants.empty()) {
+    writeForest(hosted, mains, result);
+  }
+  result.endObject();
   return std::nullopt;
 }
 

@@ -219,12 +219,13 @@ class AsyncClient:
                      environment: Optional[Environments] = None, name: Optional[str] = None,
                      derivation_length: Optional[int] = None, plants: Optional[Sequence[Vector]] = None,
                      parameters: Optional[Mapping[str, Any]] = None, limits: Optional[Mapping[str, int]] = None,
-                     save: bool = True, world: Optional[Mapping[str, Any]] = None) -> "AsyncSimulation":
+                     save: bool = True, world: Optional[Mapping[str, Any]] = None,
+                     simulation: Optional[str] = None) -> "AsyncSimulation":
         created = await self._do(requests.create(
             source, gallery=gallery, loaded=loaded, files=files, main=main, environment=entries(environment), plants=plants,
             save=save,
             seed=seed, name=name, derivationLength=derivation_length, parameters=parameters, limits=limits,
-            world=world))
+            world=world, simulation=simulation))
         warn_about(created)
         return AsyncSimulation(self, str(created["simulation"]), created)
 

@@ -186,7 +186,8 @@ class Client:
                environment: Optional[Environments] = None, name: Optional[str] = None,
                derivation_length: Optional[int] = None, plants: Optional[Sequence[Vector]] = None,
                parameters: Optional[Mapping[str, Any]] = None, limits: Optional[Mapping[str, int]] = None,
-               save: bool = True, world: Optional[Mapping[str, Any]] = None) -> "Simulation":
+               save: bool = True, world: Optional[Mapping[str, Any]] = None,
+               simulation: Optional[str] = None) -> "Simulation":
         """Creates a simulation of a model. The model is a file ("tree.l"), a folder, a source text, a model of the gallery,
         `files` by name with `main`, or a result of load(). Files go to the server with the files that they name.
 
@@ -197,6 +198,8 @@ class Client:
         `world` has `lengthUnit`, `up`, `north`, `stepDuration` (days, or a text such as "1 h"), `latitude`, `longitude`,
         `start`, `baseTemperature` and `weather` (the text of a table).
 
+        `simulation` is the identifier of a simulation whose place the new one takes: its viewers go on with it.
+
         >>> client.create(gallery="branch-tiers", environment={"type": "honda", "radius": 0.5}, seed=7).step().step
         1
         >>> client.create("Lsystem: 1\\nderivation length: 3\\nAxiom: A\\nA --> AB\\nendlsystem\\n").step(3).statistics["modules"]
@@ -206,7 +209,7 @@ class Client:
             source, gallery=gallery, loaded=loaded, files=files, main=main,
             environment=entries(environment, getattr(self, "_offer", None)), plants=plants, save=save, seed=seed, name=name,
             derivationLength=derivation_length, parameters=parameters, limits=limits,
-            world=world))
+            world=world, simulation=simulation))
         warn_about(created)
         return Simulation(self, str(created["simulation"]), created)
 

@@ -158,6 +158,60 @@ test("a full server grows the plant of a slider in place of the old one, and tel
   await stopped(full.server);
 });
 
+test("a class watches what its teacher does, also through a new start of the server, and grows copies", async () => {
+  const first = await serve("127.0.0.1:0");
+  const teacher = await open(`${first.address}/#gallery=lilac`);
+  const id = await teacher.evaluate(() => studio.simulation.id);
+  const pupil = await open(`${first.address}/#watch=${id}`);
+  const follows = (look, argument) => pupil.waitForFunction(look, argument);
+  const grown = async (page) => {
+    await page.waitForFunction(() => document.getElementById("plant")?.dataset.step !== undefined);
+    await shown(page);
+  };
+  // a slider: the number is the same in the pupil's text, and in a copy
+  await teacher.evaluate(() => studio.slide(studio.defines.find(({ name }) => name === "NODES"), 9, 1, true));
+  await shown(teacher);
+  await follows(() => studio.document.files["lilac.l"].includes("#define NODES 9 "));
+  const plantsOf = (page) => page.evaluate(async () => (await Promise.all([...Array(studio.statistics.at(-1).plants ?? 1).keys()].map((plant) => studio.simulation.string(plant)))).join("\n"));
+  const [own] = await Promise.all([pupil.waitForEvent("popup"), pupil.click("#copy-plant")]);
+  await grown(own);
+  assert.ok((await plantsOf(own)) === (await plantsOf(teacher)));
+  assert.equal(await own.evaluate(() => studio.length), 22, "the last frame of the folder");
+  const colours = (page) => page.evaluate(() => JSON.stringify(studio.palette.colours));
+  assert.ok((await colours(own)) === (await colours(teacher)), "the colour map of the folder");
+  await own.close();
+
+  // another text, with the last frame of the folder as before; then a model with several plants: the link is the same
+  await teacher.evaluate(() => studio.edit("lilac.l", `/* lesson */ ${studio.document.files["lilac.l"]}`));
+  await follows(() => studio.document.files["lilac.l"].startsWith("/* lesson */") && studio.isFinished);
+  await shown(teacher);
+  assert.deepEqual(await teacher.evaluate(() => [studio.simulation.id, studio.length]), [id, 22]);
+  await teacher.evaluate(() => studio.act(() => studio.openGallery("two-trees")));
+  await follows(() => studio.document.title === "two-trees" && studio.isFinished);
+  await shown(teacher);
+  const [forest] = await Promise.all([pupil.waitForEvent("popup"), pupil.click("#copy-plant")]);
+  await grown(forest);
+  assert.ok((await plantsOf(forest)) === (await plantsOf(teacher)));
+  assert.equal(await forest.evaluate(() => studio.statistics.at(-1).plants), 2);
+  // its text is changed, and it is a forest still
+  await forest.evaluate(() => studio.edit("two-trees.l", `/* mine */\n${studio.document.files["two-trees.l"]}`));
+  await forest.waitForFunction(() => studio.counts.waiting === 0 && studio.simulation.created.plants === 2 && studio.isFinished && studio.step > 0);
+  await forest.close();
+
+  // a server that keeps nothing starts anew: the teacher's page brings the plant back under its name
+  first.server.kill("SIGKILL");
+  await pupil.waitForFunction(() => document.body.dataset.state === "lost");
+  problems.length = 0; // the browser tells of each attempt
+  const second = await serve(new URL(first.address).host);
+  await teacher.waitForFunction((name) => document.body.dataset.state === "connected" && studio.simulation?.id === name && studio.isFinished, id);
+  await follows(() => document.body.dataset.state === "connected" && studio.simulation && studio.isFinished && document.getElementById("plant").dataset.step === String(studio.step));
+  problems.length = 0;
+  await keep(pupil, "studio-class");
+  await teacher.close();
+  await pupil.close();
+  await stopped(second.server);
+});
+
 test("a gallery model that changes on the server's disk stays as the page shows it, and the page says so", async () => {
   const models = join(folder, "models");
   cpSync(join(GALLERY, "parametric-tree"), join(models, "parametric-tree"), { recursive: true });

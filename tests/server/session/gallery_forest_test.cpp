@@ -29,7 +29,7 @@ class GalleryForest : public testing::Test {
 
   std::optional<protocol::Error> expand(protocol::CreateParams& params) const {
     params.model.model.gallery = "stand";
-    return expandGalleryForest(gallery_.string(), params);
+    return expandForest(gallery_.string(), params);
   }
 
   std::string problemOf(const std::string& forest) const {
@@ -88,7 +88,7 @@ TEST_F(GalleryForest, AFolderWithoutAForestIsOneModel) {
   EXPECT_FALSE(expand(params).has_value());
   EXPECT_TRUE(params.models.empty());
   params.model.model.gallery = "elsewhere";
-  EXPECT_FALSE(expandGalleryForest(gallery_.string(), params).has_value());
+  EXPECT_FALSE(expandForest(gallery_.string(), params).has_value());
 }
 
 TEST_F(GalleryForest, WhatIsWrongIsNamedWithTheFile) {

@@ -145,13 +145,13 @@ export async function openFiles(studio: Studio, list: FileList): Promise<void> {
 
 export function ShareDialog({ studio, onClose }: { studio: Studio; onClose: () => void }) {
   const [link, setLink] = useState("");
-  const [isCopied, setCopied] = useState(false);
+  const [copied, setCopied] = useState(""); // the link that was copied last
   useEffect(() => {
     void linkTo(studio).then(setLink);
   }, []);
   const copy = async (text: string) => {
     await navigator.clipboard?.writeText(text).catch(() => {});
-    setCopied(true);
+    setCopied(text);
   };
   const running = `${location.origin}${location.pathname}#watch=${studio.simulation?.id ?? ""}`;
   return (
@@ -159,12 +159,15 @@ export function ShareDialog({ studio, onClose }: { studio: Studio; onClose: () =
       <p>This link holds the model with its files, the seed and the step. It grows the same plant at every Espalier server.</p>
       <textarea id="share-link" readOnly rows={4} aria-label="Link to the model" value={link} onFocus={(event) => event.currentTarget.select()} />
       <div class="row">
-        <button type="button" class="primary" onClick={() => void copy(link)}>{isCopied ? "Copied" : "Copy the link"}</button>
+        <button type="button" class="primary" onClick={() => void copy(link)} autofocus>{link && copied === link ? "Copied" : "Copy the link"}</button>
         <span class="quiet">{link.length.toLocaleString("en")} characters</span>
       </div>
-      <p>This link only watches the simulation that runs here now, with everything that happens to it. It is for a class: any number of pages may
-        open it, and none can change the plant. With <code>simulation=</code> instead of <code>watch=</code> a page can.</p>
+      <p>This link only watches this page's plant, with everything that happens to it, also when you change the text or open another model. It is for a
+        class: any number of pages may open it, and none can change the plant. With <code>simulation=</code> instead of <code>watch=</code> a page can.</p>
       <input readOnly aria-label="Link to the simulation" value={running} onFocus={(event) => event.currentTarget.select()} />
+      <div class="row">
+        <button type="button" id="copy-watch" disabled={!studio.simulation} onClick={() => void copy(running)}>{copied === running ? "Copied" : "Copy the link to watch"}</button>
+      </div>
     </Dialog>
   );
 }

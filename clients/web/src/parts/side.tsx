@@ -55,7 +55,7 @@ function Parameters({ studio }: { studio: Studio }) {
     return (
       <>
         <p class="quiet">{studio.isReadOnly ? "This page only watches a simulation." : "Another program made this simulation. Change its text to make one of your own."}</p>
-        {(studio.statistics.at(-1)?.plants ?? 1) === 1 && <button type="button" id="copy-plant" onClick={() => void studio.act(async () => void open(await linkTo(studio), "_blank"))}>Grow a copy of your own</button>}
+        <button type="button" id="copy-plant" onClick={() => void studio.act(async () => void open(await linkTo(await studio.watched.copy()), "_blank"))}>Grow a copy of your own</button>
       </>
     );
   }

@@ -1,7 +1,7 @@
 // A table of plants over two numbers of the model, or over seeds. A click takes a plant over.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
-import { SIDE, axisOf, growVariations, seedAxis, variationsOf } from "../studio/variations.js";
+import { SIDE, axisOf, growVariations, seedAxis, shapeOf, variationsOf } from "../studio/variations.js";
 import type { Axis, Variation } from "../studio/variations.js";
 import { View } from "../view/scene.js";
 import { Dialog } from "./dialogs.js";
@@ -33,6 +33,7 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
   const [across, setAcross] = useState<Axis>(() => (studio.defines[0] ? axisOf(studio.defines[0]) : seedAxis()));
   const [down, setDown] = useState<Axis>(() => (studio.defines[1] ? axisOf(studio.defines[1]) : seedAxis()));
   const [pictures, setPictures] = useState<Record<string, string>>({});
+  const [shapes, setShapes] = useState<Set<string>>(new Set()); // that were seen
   const [problem, setProblem] = useState("");
   const stage = useRef<HTMLDivElement>(null);
   const view = useRef<View | null>(null);
@@ -51,11 +52,13 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
   useEffect(() => {
     const stop = new AbortController();
     setPictures({});
+    setShapes(new Set());
     setProblem("");
     growVariations(studio, variations, (grown) => {
       if (!stop.signal.aborted && !isClosed.current) {
         const picture = view.current!.pictureOf(grown.geometry, grown.change, studio.view!);
         setPictures((before) => ({ ...before, [keyOf(grown)]: picture }));
+        setShapes((before) => new Set([...before, shapeOf(grown.geometry)]));
       }
     }, stop.signal).catch((error: Error) => setProblem(error.message));
     return () => stop.abort();
@@ -66,14 +69,14 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
   };
   const nameOf = ({ values, seed }: Variation) =>
     [...Object.entries(values).map(([name, value]) => `${name} ${short(value)}`), ...(across.name === "" || down.name === "" ? [`seed ${seed}`] : [])].join(", ");
-  const grown = Object.values(pictures);
+  const count = Object.keys(pictures).length;
   return (
     <Dialog title="Variations" class="variations" onClose={onClose}>
       <div class="row">
         <AxisChoice studio={studio} label="across" axis={across} onChange={setAcross} />
         <AxisChoice studio={studio} label="down" axis={down} onChange={setDown} />
-        <span class="quiet">{Object.keys(pictures).length} of {SIDE * SIDE}, at step {studio.step}. A click takes a plant over.</span>
-        {grown.length === variations.length && new Set(grown).size === 1 && <span class="error">All are the same: {across.name === "" && down.name === "" ? "the model draws no random numbers. Choose a number of the model on a side." : "the plant does not depend on these numbers."}</span>}
+        <span class="quiet">{count} of {SIDE * SIDE}, at step {studio.step}. A click takes a plant over.</span>
+        {count > SIDE && shapes.size === 1 && <span class="error" role="alert">All are the same{count < variations.length ? " so far" : ""}: {across.name === "" && down.name === "" ? "the model draws no random numbers. Choose a number of the model on a side." : "the plant does not depend on these numbers."}</span>}
       </div>
       {problem && <p class="error">{problem}</p>}
       <div class="scroll">

@@ -28,9 +28,10 @@ export interface Define {
 
 export const fileOf = (main: string): string => main.split(":")[0];
 
-const besides = ({ main }: Document, suffix: string): string => fileOf(main).replace(/\.[^.]*$/, "") + suffix;
+/** The file of a suffix that belongs to the model. */
+export const besides = ({ main }: Document, suffix: string): string => fileOf(main).replace(/\.[^.]*$/, "") + suffix;
 /** The file beside the model that has the environment as JSON. */
-export const environmentFileOf = (document: Document): string => besides(document, ".json");
+export const environmentFileOf = (document: Document): string => (FOREST in document.files ? FOREST : besides(document, ".json"));
 /** The same of the published environments. */
 export const publishedFileOf = (document: Document): string => besides(document, ".e");
 
@@ -48,13 +49,27 @@ export function directionToViewer(document: Document): number[] | null {
   return direction?.some((value, i) => i < 2 ? value !== 0 : value < 0) ? direction : null;
 }
 
-/** The processes that a configuration names; null: none, or no configuration. */
+/** The processes that a configuration or a forest names; null: none, or no configuration. */
 export function processesOf(text: string): unknown[] | null {
   try {
-    const list = [JSON.parse(text)].flat();
+    const read = JSON.parse(text);
+    const list = [read.models ? (read.environment ?? []) : read].flat().filter((one) => typeof one === "object");
     return list.length > 0 ? list : null;
   } catch {
     return null;
+  }
+}
+
+/** Plants of several models, or at several places: their file beside the models. */
+const FOREST = "forest.json";
+
+/** The files of the models that a forest names; without a forest the main file. */
+export function mainsOf({ main, files }: Document): string[] {
+  try {
+    const { models } = JSON.parse(files[FOREST] ?? "{}") as { models?: Array<{ file: string }> };
+    return models ? models.map(({ file }) => file) : [main];
+  } catch {
+    return [main];
   }
 }
 
@@ -68,11 +83,19 @@ export function processesWritten(text: string): unknown[] | null {
 export function withProcesses(document: Document, environment: unknown[] | null): Document {
   const file = environmentFileOf(document);
   const files = { ...document.files };
-  if (!(publishedFileOf(document) in files)) {
+  if (file === FOREST) {
+    const { environment: _, ...forest } = JSON.parse(files[FOREST]);
+    files[FOREST] = `${JSON.stringify({ ...forest, ...(environment && { environment }) }, null, 2)}\n`;
+  } else if (!(publishedFileOf(document) in files)) {
     delete files[file];
     Object.assign(files, environment && { [file]: `${JSON.stringify(environment.length === 1 ? environment[0] : environment, null, 2)}\n` });
   }
   return { ...document, environment, files, gallery: null };
+}
+
+/** The document with plants of several models, or at several places. */
+export function withForest(document: Document, forest: Record<string, unknown>): Document {
+  return withProcesses({ ...document, files: { ...document.files, [FOREST]: JSON.stringify(forest) } }, document.environment);
 }
 
 /** The document with another text of a file. An environment that stands in files follows them. */
@@ -103,8 +126,8 @@ export function definesOf(file: string, text: string): Define[] {
 
 /** The macros of the main file and of the files beside it that a C preprocessor reads. */
 export function definesOfDocument(document: Document): Define[] {
-  const main = fileOf(document.main);
-  return [main, ...Object.keys(document.files).filter((name) => name !== main && /\.(v|h|inc)$/.test(name))].flatMap((name) =>
+  const mains = [...new Set(mainsOf(document).map(fileOf))];
+  return [...mains, ...Object.keys(document.files).filter((name) => !mains.includes(name) && /\.(v|h|inc)$/.test(name))].flatMap((name) =>
     definesOf(name, document.files[name] ?? ""),
   );
 }
@@ -133,9 +156,10 @@ export function guessedRange(value: number): { low: number; high: number; step: 
 /** Whether its view file names textures. */
 export const hasTextures = ({ files }: Document): boolean => Object.values(files).some((text) => /^\s*texture:/m.test(text));
 
-/** The model as the protocol takes it. */
-export function modelOf(document: Document): { files: Record<string, string>; binaryFiles: Record<string, string>; main: string } {
-  return { files: document.files, binaryFiles: document.binary, main: document.main };
+/** The model as the protocol takes it. The `specifications` of a published folder say more than the name of its model. */
+export function modelOf({ files, binary, main }: Document): { files: Record<string, string>; binaryFiles: Record<string, string>; main?: string } {
+  const command = /\b(?:cpfg|lpfg)\b.*/.exec(files["specifications"] ?? "")?.[0] ?? "";
+  return { files, binaryFiles: binary, ...(command.split(/\s+/).includes(main) ? {} : { main }) };
 }
 
 export const EMPTY_MODEL = `/* A tree that forks. Change a number and look at the plant. */
@@ -152,7 +176,7 @@ endlsystem
 /** A model of the server's gallery. */
 export async function galleryDocument(client: Client, name: string): Promise<Document> {
   const { main, files, binaryFiles, environment } = await client.call("model.read", { gallery: name });
-  return { title: name, main, files, binary: binaryFiles, environment: environment ?? null, gallery: name };
+  return { title: name, main, files, binary: binaryFiles, environment: environment ?? processesOf(files[FOREST] ?? ""), gallery: name };
 }
 
 /** What a page without a model in its address shows: a tree of the gallery whose buds ask for light, and shadow for it. */

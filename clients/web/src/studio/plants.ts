@@ -1,15 +1,16 @@
 // Simulations of documents, and what can become of a server while a page is open: it refuses the token, it is full, and the
 // files of its gallery change.
 import { Code, ServerError } from "espalier";
-import type { Client, Simulation } from "espalier";
-import { modelOf } from "./document.js";
+import type { Client, Diagnostic, Simulation } from "espalier";
+import { mainsOf, modelOf } from "./document.js";
 import type { Document } from "./document.js";
 import type { Studio } from "./studio.js";
 
-/** A simulation of a document at its step 0. */
-export function createPlant(client: Client, document: Document, seed: number): Promise<Simulation> {
+/** A simulation of a document at its step 0, in the place of `simulation` when that is given. */
+export function createPlant(client: Client, document: Document, seed: number, simulation?: string): Promise<Simulation> {
   const { gallery, title, environment } = document;
   return client.create({
+    ...(simulation ? { simulation } : {}),
     model: gallery ? { gallery } : modelOf(document),
     seed,
     name: title,
@@ -18,22 +19,15 @@ export function createPlant(client: Client, document: Document, seed: number): P
   });
 }
 
+/** Compiles all models of a document. */
+export async function checkDocument(client: Client, document: Document): Promise<{ isValid: boolean; diagnostics: Diagnostic[] }> {
+  const results = await Promise.all(mainsOf(document).map((main) => client.check({ ...modelOf(document), main })));
+  return { isValid: results.every(({ valid }) => valid), diagnostics: results.flatMap(({ diagnostics }) => diagnostics) };
+}
+
 /** The server does not know the token, or not any more. A role that is missing is another trouble. */
 export function isTokenRefused(error: unknown): boolean {
   return error instanceof ServerError && error.code === Code.unauthorised && !["role", "roles", "path"].some((name) => name in error.data);
-}
-
-/** The simulation that `create` makes. A full server has room for it without the old one, which goes then. */
-export async function createInPlaceOf(old: Simulation | null, create: () => Promise<Simulation>): Promise<Simulation> {
-  try {
-    return await create();
-  } catch (error) {
-    if (!old || !(error instanceof ServerError && error.code === Code.limit && /simulations/i.test(String(error.data.limit)))) {
-      throw error;
-    }
-    await old.delete();
-    return create();
-  }
 }
 
 /** A text of the gallery that has changed on the disk of the server since the page opened it stays as the page shows it. */

@@ -5,7 +5,7 @@ import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { ModelPalette } from "../view/colours.js";
 import type { Picked } from "../view/measures.js";
-import { definesOfDocument, directionToViewer, fileOf, firstDocument, galleryDocument, modelOf, newDocument, numberText, withProcesses, withText } from "./document.js";
+import { definesOfDocument, directionToViewer, fileOf, firstDocument, galleryDocument, newDocument, numberText, withProcesses, withText } from "./document.js";
 import type { Define, Document } from "./document.js";
 import { Beside } from "./beside.js";
 import type { Growth } from "./beside.js";
@@ -13,9 +13,9 @@ import { Extras } from "./extras.js";
 import { Fields } from "./fields.js";
 import { History } from "./history.js";
 import { folderPalette } from "./palette.js";
-import { readWatched } from "./watched.js";
+import { Watched } from "./watched.js";
 import { unpacked } from "./share.js";
-import { createInPlaceOf, createPlant, isTokenRefused, keepText } from "./plants.js";
+import { checkDocument, createPlant, isTokenRefused, keepText } from "./plants.js";
 import type { Connection, EnvironmentEntry, GalleryEntry } from "./types.js";
 
 const CHECK_MILLISECONDS = 250;
@@ -59,6 +59,7 @@ export class Studio {
   readonly extras = new Extras(this);
   readonly beside = new Beside(this);
   readonly fields = new Fields(this);
+  readonly watched = new Watched(this);
   held: Promise<void> | null = null; // frames wait for it
   /** Called when there is a connection, and when there is one again. */
   onConnected: () => void = () => {};
@@ -70,6 +71,7 @@ export class Studio {
 
   client!: Client;
   private token = "";
+  private ownId = ""; // of the simulation that this page made last, also when the server has lost it
   private history = new History();
   private readonly listeners = new Set<() => void>();
   private streams: Array<Stream<"columns"> | Stream<"statistics">> = [];
@@ -131,8 +133,7 @@ export class Studio {
     if (isAgain) {
       // what the page holds counts, not its address
       const { id } = this.simulation!;
-      this.simulation = null; // it speaks through the old connection
-      await this.act(() => (this.isOwn ? this.client.simulation(id).delete().catch(() => {}).then(() => this.build(this.step)) : this.watch(id)));
+      await this.act(() => (this.isOwn ? this.build(this.step) : this.watch(id)));
       return;
     }
     setInterval(() => void this.list().catch(() => {}), LIST_MILLISECONDS);
@@ -192,8 +193,8 @@ export class Studio {
   private async regrow(): Promise<void> {
     await this.list();
     if (!this.simulations.some(({ simulation }) => simulation === this.simulation?.id)) {
-      this.simulation = null;
       await this.build(this.step);
+      this.message = null; // that it was gone
     }
   }
 
@@ -214,6 +215,10 @@ export class Studio {
     if (this.connection === "connected") {
       this.simulations = await this.client.simulations();
       this.changed();
+      // the watched one is there again
+      if (!this.simulation && this.watched.isAmong(this.simulations)) {
+        await this.act(() => this.watch(this.watched.id));
+      }
     }
   }
 
@@ -243,6 +248,7 @@ export class Studio {
     this.openFile = fileOf(document.main);
     this.diagnostics = [];
     this.message = null;
+    this.watched.id = "";
     this.changed();
     await this.build(step);
   }
@@ -321,11 +327,11 @@ export class Studio {
       return;
     }
     try {
-      const result = await this.client.check(modelOf(this.document));
+      const { isValid, diagnostics } = await checkDocument(this.client, this.document);
       if (mine === this.checking) {
-        this.diagnostics = result.diagnostics;
+        this.diagnostics = diagnostics;
         this.changed();
-        if (result.valid && this.isLive) {
+        if (isValid && this.isLive) {
           await this.act(() => this.build(this.isFinished && this.step >= this.length ? undefined : this.step));
         }
       }
@@ -345,30 +351,23 @@ export class Studio {
     return mine;
   }
 
-  /** A simulation of the document. Its caller deletes it. */
-  create(): Promise<Simulation> {
-    return createPlant(this.client, this.document, this.seed);
-  }
-
   /** Makes the simulation of the document and derives it to a step (default: to its end). */
   build(step?: number): Promise<void> {
     this.isRunning = false;
     return this.inTurn(async () => {
-      const old = this.isOwn ? this.simulation : null;
+      const old = this.isOwn ? this.ownId : null;
       await keepText(this);
       const { document } = this;
-      const simulation = await createInPlaceOf(old, () => this.create());
-      this.diagnostics = simulation.created!.diagnostics;
       const isAgain = old !== null && this.shownTitle === document.title;
-      this.shownTitle = document.title;
-      if (!isAgain) {
-        await this.beside.close();
-      }
       const grow = async () => {
-        await this.show(simulation, true, !isAgain);
-        if (old) {
-          await old.delete().catch(() => {});
+        // in the place of the old one: pages that watch see the new one
+        const simulation = await createPlant(this.client, document, this.seed, old ?? undefined);
+        this.diagnostics = simulation.created!.diagnostics;
+        this.shownTitle = document.title;
+        if (!isAgain) {
+          await this.beside.close();
         }
+        await this.show(simulation, true, !isAgain);
         await this.advance(step ?? this.length);
       };
       await (isAgain ? this.hold(grow) : grow());
@@ -392,11 +391,7 @@ export class Studio {
   /** Shows a simulation that another program made. */
   async watch(id: string): Promise<void> {
     const simulation = this.client.simulation(id);
-    const { document, information } = await readWatched(simulation);
-    this.seed = information.seed;
-    this.document = document;
-    this.isChanged = false;
-    this.openFile = fileOf(document.main);
+    const information = await this.watched.read(simulation);
     await this.inTurn(() => this.show(simulation, false, true, information));
   }
 
@@ -406,15 +401,14 @@ export class Studio {
     }
     this.simulation = simulation;
     this.isOwn = isOwn;
+    this.ownId = isOwn ? simulation.id : this.ownId;
     this.history.clear();
     this.statistics = [];
     this.picked = null;
     this.step = information?.step ?? 0;
     this.length = simulation.created?.derivationLength ?? information?.derivationLength ?? 0;
     this.isFinished = simulation.created?.finished ?? information?.finished ?? false;
-    const { colours, isOfModel } = await simulation.get("palette");
-    this.palette = (isOwn && folderPalette(this.document)) || { colours: colours!, isOfModel: isOfModel! };
-    this.view?.setPalette(this.palette);
+    await this.takePalette(simulation);
     this.view?.highlight(null);
     if (isAnother) {
       this.view?.forgetFit(directionToViewer(this.document));
@@ -428,8 +422,19 @@ export class Studio {
     this.changed();
   }
 
+  /** The colours of the simulation. */
+  async takePalette(simulation: Simulation): Promise<void> {
+    const { colours, isOfModel } = await simulation.get("palette");
+    this.palette = (this.isOwn && folderPalette(this.document)) || { colours: colours!, isOfModel: isOfModel! };
+    this.view?.setPalette(this.palette);
+  }
+
   private async readStatistics(stream: Stream<"statistics">): Promise<void> {
     for await (const frame of stream) {
+      // it began anew, perhaps with other numbers or another model
+      if (!this.isOwn && this.statistics.length > 0 && frame.step <= this.step) {
+        void this.watched.refresh().catch((error) => this.fail(error));
+      }
       this.step = frame.step;
       this.isFinished = frame.finished;
       this.length = Math.max(this.length, frame.step);
@@ -465,7 +470,7 @@ export class Studio {
   private ended(stream: Stream<"statistics"> | Stream<"columns">): void {
     if (stream.reason && this.connection === "connected" && stream.simulation === this.simulation?.id) {
       this.simulation = null;
-      this.say(`The simulation is gone: ${stream.reason}.`, true);
+      this.say(`The simulation is gone: ${stream.reason.replace(/\.$/, "")}. ${this.isOwn ? "" : "This page shows it again when it is there."}`.trim(), true);
       this.view?.clear();
     }
   }

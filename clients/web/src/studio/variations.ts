@@ -2,6 +2,7 @@
 import type { Geometry, GeometryChange, Simulation } from "espalier";
 import { guessedRange } from "./document.js";
 import type { Define } from "./document.js";
+import { createPlant } from "./plants.js";
 import type { Studio } from "./studio.js";
 
 export const SIDE = 6; // rows and columns
@@ -55,6 +56,13 @@ export function variationsOf(across: Axis, down: Axis, seed: number): Variation[
   });
 }
 
+/** Equal for plants that look the same. */
+export function shapeOf({ segments, organs, vertices }: Geometry): string {
+  // sums that notice what changed places
+  const sum = (values: ArrayLike<number>) => Array.prototype.reduce.call(values, (all, value, i) => (all as number) + (value as number) * (1 + (i % 101)), 0);
+  return [segments.count, organs.count, sum(segments.column("End")), sum(segments.column("EndWidth")), sum(segments.column("Colour")), sum(organs.column("Colour")), sum(vertices.column("Position"))].join(" ");
+}
+
 const HELPERS = 2; // simulations at once
 
 /** Grows each plant to the step that is shown, and hands it over. Ends early when `signal` says so. */
@@ -63,7 +71,7 @@ export async function growVariations(studio: Studio, variations: Variation[], ta
   const waiting = [...variations];
   await Promise.all(
     Array.from({ length: HELPERS }, async () => {
-      const helper = await studio.create();
+      const helper = await createPlant(studio.client, studio.document, studio.seed);
       try {
         for (let next = waiting.shift(); next && !signal.aborted; next = waiting.shift()) {
           take({ ...next, ...(await grow(helper, next, until, signal)) });
