@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kSuns{"none", "direction", "position"};
 constexpr std::array<std::string_view, 3> kUnits{"W", "umol", "mol"};
-constexpr std::array<std::string_view, 2> kSensors{"horizontal", "fluxes"};
+constexpr std::array<std::string_view, 2> kLightSensors{"horizontal", "fluxes"};
 constexpr std::array kHigh{0.0, 1.0, 0.0};
 constexpr std::array kOne{1.0};
 constexpr std::array kPhotons{4.57};
@@ -157,7 +157,7 @@ constexpr std::array kLightKeys{
                      .description = "the answer to a query without an organ: the irradiance of a horizontal plane, or "
                                     "the fluxes of the stand",
                      .defaultText = "horizontal",
-                     .choices = kSensors},
+                     .choices = kLightSensors},
     ConfigurationKey{.name = "bandLimits",
                      .kind = KeyKind::Rows,
                      .description = "wavelengths at which each band begins and ends; bands then follow from spectra",

@@ -33,7 +33,7 @@ constexpr std::string_view kLightVoxelsSummary =
     "Light in voxels: through a turbid medium of leaves, or by propagated shadows.";
 constexpr std::array<std::string_view, 2> kMethods{"turbid", "shadow"};
 constexpr std::array<std::string_view, 2> kSkies{"uniform", "overcast"};
-constexpr std::array<std::string_view, 2> kSensors{"horizontal", "fluxes"};
+constexpr std::array<std::string_view, 2> kLightVoxelsSensors{"horizontal", "fluxes"};
 constexpr std::array kLightVoxelsGridSize{40.0, 40.0, 40.0};
 constexpr std::array kLightVoxelsPosition{-10.0, 0.0, -10.0};
 constexpr std::size_t kLightVoxelsMaximumCellCount = std::size_t{1} << 27;
@@ -132,7 +132,7 @@ constexpr std::array kLightVoxelsKeys{
                      .description = "scattering: the answer to a query with a leaf area of 0: light on a horizontal "
                                     "plane, or the fluxes of the stand",
                      .defaultText = "horizontal",
-                     .choices = kSensors},
+                     .choices = kLightVoxelsSensors},
     ConfigurationKey{.name = "leafAreaDensity",
                      .kind = KeyKind::Numbers,
                      .description =
