@@ -175,6 +175,12 @@ TEST_F(CraftedSnapshot, WithAnyChangedByteIsRefusedOrRuns) {
   EXPECT_GT(runs, 300);
 }
 
+TEST_F(CraftedSnapshot, WithAPlantTooFewOrTooManyIsRefused) {
+  const char* const message = "sections are missing, or bytes follow the last one";
+  expectRefused({"too few", [](auto& c) { c.plants.pop_back(); }, message}, kDamaged, kDamagedEnd);
+  expectRefused({"too many", [](auto& c) { c.plants.push_back(c.plants.back()); }, message}, kDamaged, kDamagedEnd);
+}
+
 TEST_F(CraftedSnapshot, WithASectionTwiceIsRefused) {
   // magic and version, then the section of the model: tag, length, bytes
   std::uint64_t length = 0;

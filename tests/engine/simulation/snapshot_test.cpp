@@ -107,6 +107,37 @@ TEST(Snapshot, HoldsTheRepliesOfTheStepUnderWay) {
   EXPECT_EQ(restored.simulation.stateHash(), run.simulation.stateHash());
 }
 
+TEST(Snapshot, ThatFailsOnItsWayInLeavesTheRunBeforeAsItWas) {
+  const auto program = compileText(kAskingModel);
+  TestRun run(program);
+  TestRun twin(program);
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(twin.simulation.rewind());
+  expectSuccess(run.simulation.step());
+  const std::string snapshot = snapshotOf(run.simulation);
+  expectSuccess(run.simulation.step());
+  expectSuccess(twin.simulation.step());
+  expectSuccess(twin.simulation.step());
+
+  // the environment does not take the state
+  auto error = run.simulation.restore(crafted(snapshot, [](auto& content) { content.environmentState = "none"; }));
+  ASSERT_TRUE(error.has_value());
+  EXPECT_NE(error->message.find("cannot be restored: the state is not a number"), std::string::npos) << error->message;
+  EXPECT_EQ(run.simulation.completedSteps(), 2U);
+  EXPECT_EQ(run.simulation.stateHash(), twin.simulation.stateHash());
+  // it takes the state, and then gives no answers
+  run.log->nextError = turtle::EnvironmentError{"it has gone", true};
+  error = run.simulation.restore(crafted(snapshot, [](auto& content) { content.isAnswered = true; }));
+  ASSERT_TRUE(error.has_value());
+  EXPECT_NE(error->message.find("it has gone"), std::string::npos) << error->message;
+  EXPECT_EQ(run.simulation.completedSteps(), 2U);
+  EXPECT_EQ(run.simulation.stateHash(), twin.simulation.stateHash());
+
+  expectSuccess(run.simulation.step());
+  expectSuccess(twin.simulation.step());
+  EXPECT_EQ(run.simulation.stateHash(), twin.simulation.stateHash());
+}
+
 TEST(Snapshot, IsEnoughToCompileItsModelAnywhere) {
   const auto program = compileText(kAskingModel, "angle increment: 30\n");
   SimulationOptions options;
