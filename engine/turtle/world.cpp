@@ -83,8 +83,12 @@ std::optional<double> julianDayOf(std::string_view text) {
   const auto year = takeNumber(text, 4);
   const auto month = year && takeCharacter(text, '-') ? takeNumber(text, 2) : std::nullopt;
   const auto day = month && takeCharacter(text, '-') ? takeNumber(text, 2) : std::nullopt;
-  if (!day || *year < 1 || *month < 1 || *month > 12 || *day < 1 || *day > 31) {
+  if (!day || *year < 1 || *month < 1 || *month > 12 || *day < 1) {
     return std::nullopt;
+  }
+  const bool isLast = *month == 12;
+  if (!(julianDay(*year, *month, *day) < julianDay(isLast ? *year + 1 : *year, isLast ? 1 : *month + 1, 1))) {
+    return std::nullopt;  // no day of that month
   }
   double hours = 0.0;
   if (takeCharacter(text, 'T') || takeCharacter(text, ' ')) {

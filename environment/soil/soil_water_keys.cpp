@@ -3,6 +3,7 @@
 #include <string>
 
 #include "engine/core/elementary.h"
+#include "environment/base/number_text.h"
 #include "environment/geometry/grid_keys.h"
 #include "environment/obstacles/obstacle_scene.h"
 
@@ -21,6 +22,8 @@ constexpr std::array<std::string_view, 2> kEvaporations{"rows", "weather"};
 constexpr std::array<std::string_view, 3> kBottoms{"free", "closed", "head"};
 constexpr std::size_t kSoilWaterMaximumCellCount = std::size_t{1} << 24;
 
+// far beyond dry soil; with 1e12 the internal time steps of a column that drains have no end
+constexpr double kMostHead = 1e9;
 constexpr std::array kSoilWaterOwnKeys{
     gridSizeKey(kSoilWaterGridSize, "cells along x, y, z; one along both horizontal directions: a column"),
     sidesKey("cellSize", "sides of a cell along x, y, z; upwards the mean", kCellSize),
@@ -59,16 +62,24 @@ constexpr std::array kSoilWaterOwnKeys{
                          "at waterTableDepth",
                      .defaultText = "head",
                      .choices = kStarts},
-    ConfigurationKey{
-        .name = "initialHead", .description = "initial pressure head", .unit = "length", .defaultNumber = -1.0},
+    ConfigurationKey{.name = "initialHead",
+                     .description = "initial pressure head",
+                     .unit = "length",
+                     .minimum = -kMostHead,
+                     .maximum = kMostHead,
+                     .defaultNumber = -1.0},
     ConfigurationKey{.name = "initialHeads",
                      .kind = KeyKind::Numbers,
                      .description = "pressure head of every cell, x fastest, then y, then z, instead of 'initially'; a "
                                     "\"fieldFile\" brings them; none: as 'initially' says",
-                     .unit = "length"},
+                     .unit = "length",
+                     .minimum = -kMostHead,
+                     .maximum = kMostHead},
     ConfigurationKey{.name = "waterTableDepth",
                      .description = "depth of the water table below the top of the ground",
                      .unit = "length",
+                     .minimum = -kMostHead,
+                     .maximum = kMostHead,
                      .defaultNumber = 1.0},
     ConfigurationKey{.name = "surface",
                      .kind = KeyKind::Choice,
@@ -335,9 +346,9 @@ std::vector<core::Diagnostic> checkSoilWater(const Configuration& configuration)
     const auto& rows = configuration.rows(key);
     for (std::size_t i = 1; i < rows.size(); ++i) {
       if (!(rows[i - 1][0] < rows[i][0])) {
-        errors.push_back(wrong(
-            "'" + key + "' has day " + std::to_string(rows[i][0]) + " after day " + std::to_string(rows[i - 1][0]),
-            "write the rows in the order of their days, each day once"));
+        errors.push_back(
+            wrong("'" + key + "' has day " + numberText(rows[i][0]) + " after day " + numberText(rows[i - 1][0]),
+                  "write the rows in the order of their days, each day once"));
       }
     }
     const double period = configuration.number("weatherPeriod");

@@ -53,6 +53,29 @@ class Validation(unittest.TestCase):
         self.assertIn("at least one result is beyond its tolerance", run.stderr)
         self.assertIn("needs m32_uptake_fractions.tsv", run.stderr)
 
+    def test_a_wrong_table_is_refused_with_its_line(self) -> None:
+        head = "node\tparent\tparent_alternative\tx\ty\tz\tradius\torder\temergence\thead_a\thead_a_alternative\n"
+        collar = "0\t-1\t-1\t0\t0\t0\t0.1\t1\t0\t-500\t-500\n"
+        node = "1\t{}\t0\t0\t0\t{}\t0.1\t1\t0\t-400\t-400\n"
+        for case, name, text, message in [
+                ("m3.2", "m32_roots.tsv", "", "m32_roots.tsv has no rows."),
+                ("m3.2", "m32_roots.tsv", "node\tx\n0\t0\n", "m32_roots.tsv has no column 'parent'."),
+                ("m3.2", "m32_roots.tsv", "# roots\n" + head + collar + node.format(0, "deep"),
+                 "m32_roots.tsv, line 4: expected a number in the column 'z', found 'deep'."),
+                ("m3.2", "m32_roots.tsv", head + collar + node.format(0, ""), "found ''."),
+                ("m3.2", "m32_roots.tsv", head + collar + node.format(2, -1) + collar,
+                 "m32_roots.tsv, line 3: the node 1 has the parent 2."),
+                ("m3.2", "m32_roots.tsv", head + collar + node.format(1, -1), "the node 1 has the parent 1."),
+                ("m3.2", "m32_roots.tsv", head + collar + node.format(0.5, -1), "the node 1 has the parent 0.5."),
+                ("m2.2", "m22_evaporation.tsv",
+                 "scenario\ttime\trate_converged\tcumulative_converged\n1\t0.2\t0.1\t0.02\n1\t0.1\t0.1\t0.01\n",
+                 "m22_evaporation.tsv, line 3: the time 0.1 comes after 0.2. Write the times of a scenario in ascending order")]:
+            with self.subTest(message):
+                (self.folder / name).write_text(text, encoding="utf-8")
+                run = espalier("validate", case, "--data", str(self.folder), status=1)
+                self.assertIn(message, " ".join(run.stderr.split()))
+                self.assertEqual(rows(run.stdout), [])
+
     def test_a_page_takes_the_place_of_no_other_file_and_of_no_results(self) -> None:
         thesis = self.folder / "thesis.md"
         thesis.write_text("My thesis\n\n## Methods\n", encoding="utf-8")

@@ -11,6 +11,7 @@
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/validation/reference_table.h"
 #include "clients/espalier/validation/result_plot.h"
 #include "clients/espalier/validation/validation.h"
 #include "server/remote/disk_files.h"
@@ -177,7 +178,13 @@ int validate(const ValidateOptions& options) {
   bool isMet = true;
   for (const validation::Case* one : chosen) {
     const auto begin = std::chrono::steady_clock::now();
-    const validation::CaseResult result = one->run(data);
+    validation::CaseResult result;
+    try {
+      result = one->run(data);
+    } catch (const validation::TableError& error) {
+      printError(options.data + ": " + error.what());
+      return kFailure;
+    }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
     isMet = printRows(*one, result, seconds.count()) && isMet;
     std::string picture;

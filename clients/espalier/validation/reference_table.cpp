@@ -31,8 +31,11 @@ std::optional<ReferenceTable> ReferenceTable::read(const Data& data, const std::
     return std::nullopt;
   }
   ReferenceTable table;
+  table.name_ = name;
   std::istringstream lines(*text);
+  std::size_t number = 0;
   for (std::string line; std::getline(lines, line);) {
+    ++number;
     if (line.empty() || line.front() == '#') {
       continue;
     }
@@ -44,22 +47,35 @@ std::optional<ReferenceTable> ReferenceTable::read(const Data& data, const std::
     } else {
       fields.resize(std::max(fields.size(), table.columns_.size()));
       table.rows_.push_back(std::move(fields));
+      table.lines_.push_back(number);
     }
+  }
+  if (table.rows_.empty()) {
+    throw TableError(name + " has no rows. Give a table with a header and a row for each value");
   }
   return table;
 }
 
+void ReferenceTable::refuse(std::size_t row, const std::string& sentences) const {
+  throw TableError(name_ + ", line " + std::to_string(lines_[row]) + ": " + sentences);
+}
+
 const std::string& ReferenceTable::text(std::size_t row, const std::string& column) const {
-  static const std::string kNone;
   const auto found = columns_.find(column);
-  return found == columns_.end() ? kNone : rows_[row][found->second];
+  if (found == columns_.end()) {
+    throw TableError(name_ + " has no column '" + column + "'. Fields are separated by tabs, and a header names them");
+  }
+  return rows_[row][found->second];
 }
 
 double ReferenceTable::number(std::size_t row, const std::string& column) const {
   const std::string& field = text(row, column);
   char* end = nullptr;
   const double value = std::strtod(field.c_str(), &end);
-  return end == field.c_str() || *end != '\0' ? NAN : value;
+  if (end == field.c_str() || *end != '\0' || !std::isfinite(value)) {
+    refuse(row, "expected a number in the column '" + column + "', found '" + field + "'. Write a number there");
+  }
+  return value;
 }
 
 std::vector<double> ReferenceTable::column(const std::string& column) const {

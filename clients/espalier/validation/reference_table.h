@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,24 +11,35 @@
 
 namespace espalier::validation {
 
+/// A table that is not as it must be: a sentence with its file, line and column.
+class TableError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// A table of reference values: fields separated by tabs, comments from `#`, a header line with the names of the
 /// columns.
 class ReferenceTable {
  public:
-  /// Nothing when the file is missing; its name is added to `missing` then.
+  /// Nothing when the file is missing; its name is added to `missing` then. Throws TableError for a table without rows.
   [[nodiscard]] static std::optional<ReferenceTable> read(const Data& data, const std::string& name,
                                                           std::vector<std::string>& missing);
 
   [[nodiscard]] std::size_t rowCount() const { return rows_.size(); }
+  /// The text in a field. Throws TableError without that column.
   [[nodiscard]] const std::string& text(std::size_t row, const std::string& column) const;
-  /// The number in a field; not a number when the field has none.
+  /// The number in a field. Throws TableError when there is none, or no such column.
   [[nodiscard]] double number(std::size_t row, const std::string& column) const;
   /// The numbers of a column.
   [[nodiscard]] std::vector<double> column(const std::string& column) const;
+  /// Throws TableError about a row.
+  [[noreturn]] void refuse(std::size_t row, const std::string& sentences) const;
 
  private:
+  std::string name_;
   std::map<std::string, std::size_t> columns_;
   std::vector<std::vector<std::string>> rows_;
+  std::vector<std::size_t> lines_;  // in the file, from 1 (rows)
 };
 
 /// √mean((y − ŷ)²)/|mean y| of the reference y and the result ŷ.

@@ -12,6 +12,16 @@ environment::ConfigurationRows rowsOf(const ReferenceTable& ages, const std::str
   return rows;
 }
 
+std::optional<std::size_t> parentOf(const ReferenceTable& roots, std::size_t row, const std::string& column) {
+  const double parent = roots.number(row, column);
+  if (parent >= static_cast<double>(row) || parent != std::floor(parent)) {
+    roots.refuse(row, "the node " + std::to_string(row) + " has the parent " + roots.text(row, column) +
+                          ". Nodes count from 0, and a parent comes before its children: write an earlier node, or -1 "
+                          "for a collar");
+  }
+  return parent >= 0.0 ? std::optional(static_cast<std::size_t>(parent)) : std::nullopt;
+}
+
 environment::HydraulicTree treeOf(const ReferenceTable& roots, const std::string& parents,
                                   const RootProperties& properties) {
   const bool hasAges = properties.ages != nullptr;
@@ -22,9 +32,8 @@ environment::HydraulicTree treeOf(const ReferenceTable& roots, const std::string
   std::vector<environment::HydraulicTree::Node> nodes;
   for (std::size_t i = 0; i < roots.rowCount(); ++i) {
     environment::HydraulicTree::Node node;
-    const double parent = roots.number(i, parents);
-    if (parent >= 0.0) {
-      node.parent = static_cast<std::uint32_t>(parent);
+    if (const auto parent = parentOf(roots, i, parents)) {
+      node.parent = static_cast<std::uint32_t>(*parent);
       const auto way = [&](const char* axis) { return roots.number(i, axis) - roots.number(node.parent, axis); };
       node.length = std::hypot(way("x"), way("y"), way("z"));
       node.rise = way("z");

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 
 #include "clients/espalier/validation/reference_table.h"
@@ -19,6 +21,11 @@ struct RootProperties {
 
 /// The rows of order, age and value of a table of conductivities.
 [[nodiscard]] environment::ConfigurationRows rowsOf(const ReferenceTable& ages, const std::string& column);
+
+/// The parent of a node, by the column that has the parents; nothing for a collar. Throws TableError when the parent is
+/// not an earlier node, as in a cycle or of an orphan.
+[[nodiscard]] std::optional<std::size_t> parentOf(const ReferenceTable& roots, std::size_t row,
+                                                  const std::string& column);
 
 /// The tree of a table of nodes: x, y, z (up), radius, order, emergence, and the column that has the parents.
 [[nodiscard]] environment::HydraulicTree treeOf(const ReferenceTable& roots, const std::string& parents,

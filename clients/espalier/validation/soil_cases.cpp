@@ -8,6 +8,7 @@
 
 #include "clients/espalier/validation/reference_table.h"
 #include "clients/espalier/validation/validation.h"
+#include "environment/base/number_text.h"
 #include "environment/soil/richards.h"
 #include "environment/soil/solutes.h"
 
@@ -204,6 +205,10 @@ CaseResult evaporation(const Data& data) {
         continue;
       }
       const double time = reference->number(row, "time");
+      if (time < day) {
+        reference->refuse(row, "the time " + reference->text(row, "time") + " comes after " +
+                                   environment::numberText(day) + ". Write the times of a scenario in ascending order");
+      }
       if (!letPass(solver, time - day, borders, 1e-4)) {
         break;
       }

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "clients/espalier/validation/reference_table.h"
+#include "clients/espalier/validation/root_tables.h"
 #include "clients/espalier/validation/validation.h"
 #include "engine/turtle/environment_process.h"
 #include "engine/turtle/field.h"
@@ -214,9 +215,9 @@ void addDryingSoil(const ReferenceTable& table, const ReferenceTable* ages, cons
     return core::Vec3{table.number(row, "x"), table.number(row, "y"), table.number(row, "z")};
   };
   for (std::size_t row = 0; row < table.rowCount(); ++row) {
-    if (const double parent = table.number(row, "parent"); parent >= 0.0) {
-      roots.segment(place(static_cast<std::size_t>(parent)), place(row), table.number(row, "radius"),
-                    8.0 - table.number(row, "emergence"), table.number(row, "order"));
+    if (const auto parent = parentOf(table, row, "parent")) {
+      roots.segment(place(*parent), place(row), table.number(row, "radius"), 8.0 - table.number(row, "emergence"),
+                    table.number(row, "order"));
     }
   }
   const std::string name = std::string(ages == nullptr ? "a" : "b") + ", cells of " + text(size) + " cm";

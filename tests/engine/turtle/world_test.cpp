@@ -13,6 +13,10 @@ TEST(World, AMomentHasAnOffsetFromUniversalTime) {
   EXPECT_EQ(*julianDayOf("2000-01-01T14:00+02:00"), 2451545.0);
   EXPECT_EQ(*julianDayOf("2000-01-01 06:30:00-05:30"), 2451545.0);
   EXPECT_EQ(*julianDayOf("1999-12-31T24:00"), 2451544.5);
+  EXPECT_EQ(*julianDayOf("2024-02-29"), *julianDayOf("2024-03-01") - 1);
+  for (const char* const noDay : {"2026-02-29", "2026-02-31", "2026-04-31", "1900-02-29", "2026-12-32", "2026-01-00"}) {
+    EXPECT_FALSE(julianDayOf(noDay)) << noDay;
+  }
   for (const char* text : {"2000-01-01T12:00+2", "2000-01-01T12:00+02", "2000-01-01T12:00+02:60", "2000-01-01T12:00 ",
                            "2000-01-01T12:00+16:00", "2000-13-01", "2000-01-01+02:00"}) {
     EXPECT_FALSE(julianDayOf(text).has_value()) << text;

@@ -251,12 +251,22 @@ TEST(SoilWater, WhatCannotBeIsAnError) {
   EXPECT_EQ(errorsOf(makeProcess("soil-water", R"({"rain":[[2,1],[1,1]],"gridSize":[4096,4096,1000]})")),
             "error: environment process 'soil-water': the grid has 16777216000 cells, and the limit is 16777216\n"
             "   hint: use fewer cells along x, y or z\n"
-            "error: environment process 'soil-water': 'rain' has day 1.000000 after day 2.000000\n"
+            "error: environment process 'soil-water': 'rain' has day 1 after day 2\n"
             "   hint: write the rows in the order of their days, each day once");
   EXPECT_EQ(
       errorsOf(makeProcess("soil-water", R"({"rain":[[2,1],[9,1]],"weatherPeriod":7})")),
       "error: environment process 'soil-water': 'rain' has a day beyond the 'weatherPeriod' after which it repeats\n"
       "   hint: use days from 0 to below the period");
+}
+
+TEST(SoilWater, AnInitialHeadBeyondAllSoilsIsAnError) {
+  // a column that drains from such a head took time steps without end
+  EXPECT_EQ(
+      errorsOf(makeProcess("soil-water", R"({"initialHead":1e12})")),
+      "error: environment process 'soil-water': 'initialHead' must be between -1.0e+09 and 1.0e+09, found 1.0e+12\n"
+      "   hint: initialHead: initial pressure head");
+  EXPECT_NE(errorsOf(makeProcess("soil-water", R"({"initially":"waterTable","waterTableDepth":-1e12})")), "");
+  EXPECT_NE(errorsOf(makeProcess("soil-water", R"({"gridSize":[1,2,1],"initialHeads":[-1,-1e12]})")), "");
 }
 
 TEST(SoilWater, AFlowWithoutSolutionIsAnErrorAndChangesNothing) {
