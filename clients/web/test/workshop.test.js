@@ -234,7 +234,7 @@ test("a gallery model that changes on the server's disk stays as the page shows 
 });
 
 test("a model is saved on the server, opened again, and two people do not write over each other", async () => {
-  const models = join(folder, "models");
+  const models = join(folder, "saved models");
   mkdirSync(models);
   const keeping = await serve("127.0.0.1:0", "--models", models);
   const page = await open(`${keeping.address}/#gallery=shadow-trees`);

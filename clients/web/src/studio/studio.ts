@@ -125,15 +125,15 @@ export class Studio {
 
   async start(token?: string): Promise<void> {
     const named = new URLSearchParams(location.hash.slice(1));
-    const isAgain = this.simulation !== null;
+    const shown = this.isOwn ? this.ownId : this.watched.id;
+    this.simulation = null; // of a connection before
     await this.connect(token ?? named.get("token") ?? "");
     if (this.connection !== "connected") {
       return;
     }
-    if (isAgain) {
+    if (shown) {
       // what the page holds counts, not its address
-      const { id } = this.simulation!;
-      await this.act(() => (this.isOwn ? this.build(this.step) : this.watch(id)));
+      await this.act(() => (this.isOwn ? this.build(this.step) : this.watch(shown)));
       return;
     }
     setInterval(() => void this.list().catch(() => {}), LIST_MILLISECONDS);
