@@ -164,10 +164,10 @@ class LegacyPrograms(unittest.TestCase):
                             ("garbage", "answered 'hello there', which is no answer"),
                             ("flags", "answered 'Control: done', which is no answer: expected '<id> E(value,,value)'"),
                             ("ill", "answered '0 E(nan)', which is no answer"),
-                            ("silent", "did not answer within 1000 ms: expected '<id> E(value,,value)' for each module, and 'Control: 4'"),
-                            ("flood", "did not answer within 1000 ms: expected")):
+                            ("silent", "did not answer within 3000 ms: expected '<id> E(value,,value)' for each module, and 'Control: 4'"),
+                            ("flood", "did not answer within 3000 ms: expected")):
             with self.subTest(mode=mode):
-                limit = ("--environment-timeout", "1") if mode in ("silent", "flood") else ()
+                limit = ("--environment-timeout", "3") if mode in ("silent", "flood") else ()
                 done = self.run_field(mode, "", *limit, status=1)
                 self.assertEqual(len(done.stdout.splitlines()), 1)
                 self.assertIn(f"environment program 'heights' {words}", done.stderr)
