@@ -108,6 +108,12 @@ TEST(PluginProcess, AnIncompleteTableIsRefused) {
   plugin = surveyor(0);
   plugin.is_stateful = 1;
   EXPECT_EQ(problemOf(plugin), "its table lacks save and restore, which it needs because it has a state");
+  // one without the other is not enough
+  plugin.save = [](void*, void*, std::size_t) -> std::size_t { return 0; };
+  EXPECT_EQ(problemOf(plugin), "its table lacks save and restore, which it needs because it has a state");
+  plugin.save = nullptr;
+  plugin.restore = [](void*, const void*, std::size_t, char*, std::size_t) { return 0; };
+  EXPECT_EQ(problemOf(plugin), "its table lacks save and restore, which it needs because it has a state");
   plugin = surveyor(0);
   plugin.version = 9;
   EXPECT_NE(problemOf(plugin).find("it has version 9 of the plug-in interface"), std::string::npos);

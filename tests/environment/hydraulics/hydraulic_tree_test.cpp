@@ -110,6 +110,9 @@ TEST(HydraulicTree, AFlowAtTheCollarGivesTheHeadThatGivesTheFlow) {
   const auto limited = tree.solve({.hasHead = false, .flow = flow, .lowestHead = -1000.0});
   EXPECT_EQ(limited.heads[0], -1000.0);
   EXPECT_NEAR(limited.collarFlows[0], tree.solve({.head = -1000.0}).collarFlows[0], 1e-9);
+  // then the head is given, also when the soil changes (changeOf)
+  EXPECT_EQ(result.isFlowGiven[0], 1);
+  EXPECT_EQ(limited.isFlowGiven[0], 0);
 }
 
 TEST(HydraulicTree, LeavesDrawWhatRootsTakeUp) {

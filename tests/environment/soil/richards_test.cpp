@@ -194,6 +194,14 @@ TEST(Richards, EvaporationIsWhatASurfaceAsDryAsItCanBeGives) {
   EXPECT_GE(solver.state().heads[99], -15001);
 }
 
+TEST(Richards, ASoilDrierThanTheDriestSurfaceTakesNothingFromTheAir) {
+  auto solver = column(5, 5, kMeanLoam, -1000);
+  const double water = solver.storedWater();
+  pass(solver, 5, {.evaporation = 0.4, .driestHead = -100, .bottom = SoilBorders::Bottom::Closed}, 1e-9);
+  EXPECT_EQ(solver.state().balance.infiltrated, 0.0);
+  EXPECT_NEAR(solver.storedWater() / water, 1.0, 1e-9);
+}
+
 TEST(Richards, SeveralColumnsAloneAreEachAsOneColumn) {
   // nothing flows sideways when all columns are alike
   RichardsSolver box({{3, 4}, 10, {7, 9}, std::vector<double>(10, 5)}, {kMeanLoam}, std::vector<int>(120, 0));

@@ -66,6 +66,16 @@ TEST(Solutes, AFrontMovesAsLindstromSays) {
   }
 }
 
+TEST(Solutes, WhatLeavesHasTheConcentrationAtTheBottom) {
+  // after many times the water of the column the solution that comes in is everywhere, and as much leaves
+  auto water = steadyColumn(10);
+  SoluteTransport solutes({{.rainConcentration = 3, .dispersivity = 1}}, water);
+  pass(water, solutes, 5, kSteady);
+  for (std::size_t cell = 0; cell < 10; ++cell) {
+    EXPECT_NEAR(solutes.concentration(0, cell, 0.43), 3.0, 1e-6);
+  }
+}
+
 TEST(Solutes, AnEvenConcentrationStaysEvenWhileWaterMoves) {
   RichardsSolver water({{2, 2}, 10, {5, 5}, std::vector<double>(10, 5)}, {kMeanLoam}, std::vector<int>(40, 0));
   for (std::size_t cell = 0; cell < 40; ++cell) {
