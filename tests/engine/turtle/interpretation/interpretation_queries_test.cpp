@@ -162,6 +162,11 @@ TEST(ReplyBatch, DropsAndCountsSurplusValues) {
   EXPECT_EQ(replies.values, (std::vector<double>{5, 0, 7}));
   EXPECT_EQ(replies.isSet, (std::vector<std::uint8_t>{1, 0, 1}));
   EXPECT_EQ(replies.surplusCount, 1U);
+  // the next step begins with nothing
+  replies.prepare(run.queries);
+  EXPECT_EQ(replies.values, std::vector<double>(3, 0.0));
+  EXPECT_EQ(replies.isSet, std::vector<std::uint8_t>(3, 0));
+  EXPECT_EQ(replies.surplusCount, 0U);
 }
 
 }  // namespace
