@@ -192,6 +192,27 @@ test("every surface file opens, and a control point that moves changes only its 
   assert.equal(changed, leaf.replace(/0 1 -0\.14/g, "0 0.9 -0.14"));
 });
 
+test("the specifications of a folder decide about its own model, and a forest has sliders for all its models", () => {
+  const plain = { ...model.newDocument(), main: "tree.l", files: { "tree.l": "#define A 1\n", "fern.l": "#define B 2\n" } };
+  assert.equal(model.modelOf(plain).main, "tree.l");
+  const published = { ...plain, files: { ...plain.files, specifications: "tree.l\n*\n\tcpfg -a -m tree.map tree.l tree.v tree.a\n" } };
+  assert.equal("main" in model.modelOf(published), false);
+  assert.equal(model.modelOf({ ...published, main: "fern.l" }).main, "fern.l");
+  assert.deepEqual(model.definesOfDocument(plain).map(({ name }) => name), ["A"]);
+  const forest = model.withForest({ ...plain, environment: [{ type: "honda" }] }, { models: [{ name: "tree", file: "tree.l" }, { name: "fern", file: "fern.l" }], plants: [] });
+  assert.deepEqual(model.definesOfDocument(forest).map(({ name }) => name), ["A", "B"]);
+  assert.deepEqual(model.processesOf(forest.files["forest.json"]), [{ type: "honda" }]);
+  assert.deepEqual(JSON.parse(model.withProcesses(forest, null).files["forest.json"]).environment, undefined);
+});
+
+test("plants that look the same have the same shape, also when a part has moved and another one has moved back", async () => {
+  const { shapeOf } = await load("variations.ts");
+  const rows = (values) => ({ count: 2, column: () => Float64Array.from(values) });
+  const plant = (values) => ({ segments: rows(values), organs: rows([]), vertices: rows([]) });
+  assert.equal(shapeOf(plant([1, 2])), shapeOf(plant([1, 2])));
+  assert.notEqual(shapeOf(plant([1, 2])), shapeOf(plant([2, 1])));
+});
+
 test("sliders are made for numeric macros only, and write a number as it was meant", () => {
   const text = "#define A 0.5  /* half */\n#define B (A + 1)\n#define C(x) 2\n  #  define D -3 // three\n#define E 1e-2\n#define F x1\n";
   const found = model.definesOf("a.l", text);
