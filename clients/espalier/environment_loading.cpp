@@ -95,6 +95,7 @@ Process connectRemote(const std::string& address, const std::string& entryJson, 
   server::RemoteEnvironmentOptions options;
   options.configurationJson = std::move(settings.configurationJson);
   options.isAbsenceTolerated = settings.policy.isTolerant;
+  options.keepsState = making.remote.keepsState;
   options.stepTimeout = timeOfStep(making, settings.stepTimeout, options.stepTimeout);
   auto connected = server::connectRemoteEnvironment(address, options);
   if (!connected) {

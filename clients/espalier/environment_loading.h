@@ -22,6 +22,7 @@ struct RemoteOptions {
   bool allowsFolderPrograms = false;  // an environment file (.e) may start the program that it names
   bool isStrict = false;              // a warning about a file is an error
   unsigned threads = 1;               // of a built-in process that has the key `threads`
+  bool keepsState = false;            // a snapshot is wanted, also when the environment dies
   bool mayStartPrograms = true;       // false: a snapshot names the environment, and a stranger may have written it
 };
 

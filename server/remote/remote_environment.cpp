@@ -28,6 +28,7 @@ tl::expected<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRe
   RemoteProcessOptions processOptions;
   processOptions.stepTimeout = options.stepTimeout;
   processOptions.configurationJson = options.configurationJson;
+  processOptions.keepsState = options.keepsState;
   auto process = std::make_unique<RemoteProcess>(std::move(link), std::move(processOptions));
   if (auto error = process->introduce(); error && !(options.isAbsenceTolerated && error->isRetryable)) {
     return tl::unexpected(std::move(error->message));

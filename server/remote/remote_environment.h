@@ -13,6 +13,7 @@ struct RemoteEnvironmentOptions {
   std::chrono::milliseconds connectTimeout{5'000};
   std::chrono::milliseconds stepTimeout{60'000};
   bool isAbsenceTolerated = false;  // a peer that is away now may be there when it is asked
+  bool keepsState = false;          // asks for the state after each step, so that it is known when the environment dies
   bool isTextOnly = false;          // no binary blocks, though the environment may take them
   std::string configurationJson;    // sent when a simulation opens it: an object as text; empty: none
 };

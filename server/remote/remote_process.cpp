@@ -234,6 +234,9 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
   applyReplies(*decoded, queries, replies);
   peerGeometry_ = queries.geometry;
   ++stepCount_;
+  if (options_.keepsState) {
+    (void)save();
+  }
   return std::nullopt;
 }
 

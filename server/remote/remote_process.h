@@ -21,6 +21,8 @@ struct RemoteProcessOptions {
   std::optional<protocol::BoundsRecord> bounds;  // of the space that the plants may fill, for environment.open
   /// A peer that is away is not an error before the first step (simulations loaded from disk).
   bool isAbsenceTolerated = false;
+  /// Asks the peer for its state after each step: when the peer dies in the next one, save() has the state before it.
+  bool keepsState = false;
   /// Runs the waiting part of each call; empty: directly. The server lets another worker compute meanwhile.
   std::function<void(const std::function<void()>&)> runWaiting;
 };

@@ -11,6 +11,8 @@ from typing import Dict
 
 from support import Process, espalier, program, python, stdio
 
+from espalier import Server
+
 MODEL = ("Lsystem: 1\nderivation length: 5\nAxiom: A?E(0)\n"
          "A > ?E(x) --> F(x)A\nendlsystem\n")
 GROWN = "F(1)F(2)F(3)F(4)F(5)A?E(5)"
@@ -111,6 +113,30 @@ class Failures(unittest.TestCase):
                           "--environment-timeout", "0.1", status=1)
         self.assertIn("environment 'chiba' did not finish step", failed.stderr)
         self.assertIn("within 100 ms", failed.stderr)
+
+    def test_each_snapshot_has_the_state_of_its_own_step(self) -> None:
+        # the answer is the state, so a snapshot with the state of an earlier step shows
+        script = self.folder / "counting.py"
+        script.write_text("from espalier import Environment\n\nclass Counting(Environment):\n    steps = 0\n\n"
+                          "    def save(self):\n        return self.steps\n\n"
+                          "    def restore(self, state):\n        self.steps = state\n\n"
+                          "    def step(self, queries):\n        self.steps += 1\n"
+                          "        return [[self.steps] for query in queries]\n\nCounting.serve()\n", encoding="utf-8")
+        served = Process(python(script, "--listen", "127.0.0.1:0"))
+        self.addCleanup(served.stop)
+        with Server(program(), arguments=["--log-level", "error", "--allow-dial", served.address]) as server, \
+                server.connect(timeout=60) as client:
+            plant = client.create(MODEL, environment=[{"type": "tcp", "address": served.address}])
+            plant.step()
+            first = plant.save()
+            plant.step()
+            second = plant.save()
+            plant.step(3)
+            self.assertEqual(plant.string(), GROWN)
+            for snapshot, steps in ((second, 3), (first, 4)):
+                plant.restore(snapshot)
+                plant.step(steps)
+                self.assertEqual(plant.string(), GROWN)
 
     def test_a_run_without_a_snapshot_is_told_of_it(self) -> None:
         self.switch.touch()

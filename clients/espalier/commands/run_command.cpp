@@ -270,6 +270,9 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
       return kFailure;
     }
   }
+  model.remote.keepsState =
+      std::any_of(options.outputs.files.begin(), options.outputs.files.end(),
+                  [&](const std::string& file) { return formatOf(options.outputs, file) == nullptr; });
   std::optional<LoadedModel> loaded = resumed ? loadResumed(model, resumed->info, files) : loadModel(model, files);
   if (!loaded || !options.trace.open(loaded->environment)) {
     return kFailure;

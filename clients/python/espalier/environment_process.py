@@ -21,7 +21,8 @@ class EnvironmentProcess:
     needs: ClassVar[Sequence[str]] = ("position", "heading", "left", "up", "width", "scale", "parameters", "following")
     inputs: ClassVar[Sequence[Variable]] = ()
     outputs: ClassVar[Sequence[Variable]] = ()
-    # True for an environment that changes from step to step; it then defines save and restore
+    # True for an environment that changes from step to step; it then defines save and restore. A class that defines save
+    # has True by itself
     is_stateful: ClassVar[bool] = False
 
     # set before opened(): the simulation
@@ -31,6 +32,11 @@ class EnvironmentProcess:
     days: float = 0.0
     # the shape of all plants at their queries; None unless `needs` has geometry
     geometry: Optional[Geometry] = None
+
+    def __init_subclass__(cls, **arguments: Any) -> None:
+        super().__init_subclass__(**arguments)
+        if "save" in vars(cls) and "is_stateful" not in vars(cls):
+            cls.is_stateful = True
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: environment '{self.name()}' after step {self.completed_steps}>"

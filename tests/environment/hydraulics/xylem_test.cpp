@@ -321,6 +321,20 @@ TEST(Xylem, RootsCarryWaterFromWetToDrySoilAtNight) {
   EXPECT_NEAR(*rows[7][kCollarFlow], 0.0, 1e-12);
 }
 
+TEST(Xylem, RootsAtRestInSoilAtRestTakeUpNothing) {
+  // the head falls by 1 cm on each cm upwards, in the soil and in the root, whose parts have other middles than the
+  // cells; with the heads of the middles of cells a part would take up 1e-4 cm3
+  const std::string soil =
+      R"("soil":[{"type":"soil-water","gridSize":[1,8,1],"cellSize":[4,1,4],"position":[-2,-8,-2],)" + kLoamLayers +
+      R"(,"initialHeads":[-292.5,-293.5,-294.5,-295.5,-296.5,-297.5,-298.5,-299.5],"bottom":"closed"}])";
+  const auto process = openProcess("xylem", R"({"kr":0.001,"kx":0.05,)" + soil + "}", centimetres(0.1));
+  const auto rows = answersOf(*process, RootDrawing().root({0, 0, 0}, 7.3, 5, 0.1, kTen).queries());
+  ASSERT_EQ(rows.size(), 5U);
+  for (const auto& row : rows) {
+    EXPECT_NEAR(*row[kExchange], 0.0, 1e-6);
+  }
+}
+
 TEST(Xylem, StressAroundOneRootBeginsWhenItsSurfaceIsDry) {
   // benchmark C1.1 (Schnepf et al. 2020): loam and clay from −100 cm between 0.02 and 0.6 cm around 1 cm of root whose
   // surface takes up q cm/day until its head is −15,000 cm; the onsets are those of a transient solution in the
