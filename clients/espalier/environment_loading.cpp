@@ -307,6 +307,10 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
   if (startsWith(name, "tcp://") || startsWith(name, "unix:") || startsWith(name, "stdio:")) {
     return connectRemote(name, "{}", "--environment-", making);
   }
+  if (startsWith(name, "{") || startsWith(name, "[")) {
+    printError("--environment takes the name of a file, not JSON text: write the text into a file such as light.json");
+    return nullptr;
+  }
   const std::string suffix = std::filesystem::path(name).extension().string();
   if (suffix == ".json") {
     return loadConfiguration(name, files, names, making);

@@ -216,6 +216,13 @@ TEST_F(Cli, UnknownEnvironmentNamesTheNearest) {
       << result.errors;
 }
 
+TEST_F(Cli, AnEnvironmentAsTextIsSentToAFile) {
+  folder_.write("up.l", kHeight);
+  const ProgramRun result = run("derive up.l --environment '[{\"type\":\"height\"}]'");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_TRUE(contains(result.errors, "not JSON text: write the text into a file such as light.json")) << result.errors;
+}
+
 TEST_F(Cli, ConfigurationMistakesNameTheFile) {
   folder_.write("up.l", kHeight);
   folder_.write("honda.json", R"({"type":"honda","radios":1})");
