@@ -62,7 +62,8 @@ struct ModelParams {
 
 /// Of editor.message: a message of the Language Server Protocol.
 struct EditorParams {
-  std::string message;  // JSON
+  std::string message;     // JSON
+  std::string simulation;  // whose counts code lenses show; empty: none
 };
 
 /// Of model.read.
@@ -178,6 +179,7 @@ struct CreateParams {
   std::optional<std::uint64_t> maximumQueries;
   SavePolicy save;
   bool isTraced = false;               // the dialogue with its environments is recorded
+  bool countsProductions = false;      // each step counts how often it applies each production
   std::uint32_t iterations = 1;        // of the coupling with its environments, at most, in each step
   double tolerance = 0.0;              // of the answers of two iterations
   std::optional<BoundsRecord> bounds;  // of the space that the plants may fill: passed on to environments
@@ -264,7 +266,7 @@ struct StreamSelection {
 struct GetParams {
   std::string simulation;
   // string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace, palette, explanation,
-  // environment
+  // environment, productions
   std::string what;
   std::uint32_t plant = 0;
   std::uint64_t module = 0;  // of the explanation

@@ -58,7 +58,7 @@ class Derivation::Implementation {
     context_.options.hasSeed = true;
   }
   void rewind(PlantState& state, const ModuleString* start);
-  void derive(PlantState& state, StepChanges* changes);
+  void derive(PlantState& state, StepChanges* changes, ProductionCounts* counts);
   void deriveRecorded(PlantState& state, ModuleRecord& record);
   void ownParameters(PlantState& state) { context_.rotation.ownParameters(state.string); }
   void beginInterpretation(PlantState& state);
@@ -86,8 +86,19 @@ void Derivation::Implementation::attach(PlantState& state, std::uint64_t step, s
   calls_.begin();
 }
 
-void Derivation::Implementation::derive(PlantState& state, StepChanges* changes) {
+void Derivation::Implementation::derive(PlantState& state, StepChanges* changes, ProductionCounts* counts) {
   ESPALIER_CHECK(!state.instances.empty());
+  // homomorphism does not count
+  struct Counting {
+    ScanContext& context;
+    ~Counting() {
+      context.isCounted = false;
+      context.rewriter.setCounts(nullptr);
+    }
+  };
+  context_.isCounted = counts != nullptr;
+  context_.rewriter.setCounts(counts);
+  const Counting counting{context_};
   if (changes != nullptr) {
     changes->clear();
   }
@@ -146,7 +157,7 @@ void Derivation::Implementation::deriveRecorded(PlantState& state, ModuleRecord&
   };
   context_.record = &record;
   const Recording recording{context_};
-  derive(state, nullptr);
+  derive(state, nullptr, nullptr);
 }
 
 void Derivation::Implementation::rewind(PlantState& state, const ModuleString* start) {
@@ -204,8 +215,8 @@ void Derivation::setSeed(std::uint64_t seed) {
 void Derivation::rewind(PlantState& state, const ModuleString* start) {
   implementation_->rewind(state, start);
 }
-void Derivation::derive(PlantState& state, StepChanges* changes) {
-  implementation_->derive(state, changes);
+void Derivation::derive(PlantState& state, StepChanges* changes, ProductionCounts* counts) {
+  implementation_->derive(state, changes, counts);
 }
 void Derivation::ownParameters(PlantState& state) {
   implementation_->ownParameters(state);

@@ -7,6 +7,7 @@
 
 #include "engine/core/limits.h"
 #include "engine/core/streams.h"
+#include "engine/derivation/production_counts.h"
 #include "engine/derivation/state/plant_state.h"
 #include "engine/derivation/state/step_changes.h"
 #include "engine/language/program.h"
@@ -47,8 +48,10 @@ class Derivation {
 
   /// One DerivationStep after the environment pass (docs/language.md, 1.5): counter, StartEach, the scan with
   /// decomposition, EndEach, and End in the last step. A failure leaves `state` as it was before the call. `changes`
-  /// (null: not wanted) becomes what the step left of the string.
-  void derive(PlantState& state, StepChanges* changes = nullptr);
+  /// (null: not wanted) becomes what the step left of the string. `counts` (null: not wanted) gets how often the step
+  /// applied each production, added to what it has; that is slower, because the step takes no shortcut. After a failure
+  /// it has the applications up to it.
+  void derive(PlantState& state, StepChanges* changes = nullptr, ProductionCounts* counts = nullptr);
 
   /// Gives the parameters of the string memory that no view shares, before answers are written into them.
   void ownParameters(PlantState& state);

@@ -222,6 +222,9 @@ void Rewriter::apply(const Production& production, ModuleString& output) {
   const std::uint64_t firstModule = output.size();
   const std::uint64_t firstParameter = output.parameterCount();
   appendSuccessor(production, chosenFrame_, output);
+  if (counts_ != nullptr) {
+    ++(*counts_)[&production];
+  }
   if (record_ != nullptr) {
     record_->searches.back().made.appendAll(output.types().subspan(firstModule),
                                             output.parameters().subspan(firstParameter));

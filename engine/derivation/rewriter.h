@@ -10,6 +10,7 @@
 #include "engine/derivation/expressions/random_source.h"
 #include "engine/derivation/matching/context_matcher.h"
 #include "engine/derivation/matching/produced_pieces.h"
+#include "engine/derivation/production_counts.h"
 #include "engine/derivation/rewrite_record.h"
 #include "engine/derivation/state/module_string.h"
 #include "engine/derivation/state/string_index.h"
@@ -61,6 +62,8 @@ class Rewriter {
 
   /// Adds every search and application from now on to `record`; null: to no record. Changes nothing else.
   void setRecord(ModuleRecord* record) { record_ = record; }
+  /// Adds every application from now on to `counts`; null: nowhere. Changes nothing else.
+  void setCounts(ProductionCounts* counts) { counts_ = counts; }
 
   /// The first production of the list that matches, or null. Runs the pre-blocks of all candidates up to it.
   [[nodiscard]] const language::Production* chooseFirst(const language::ProductionList& list, const ContextRules& rules,
@@ -135,8 +138,9 @@ class Rewriter {
   Evaluator* evaluator_;
   RandomSource* random_;
   const core::Limits* limits_;
-  ModuleRecord* record_ = nullptr;  // of the caller; null: nothing is recorded
-  std::uint32_t searchDepth_ = 0;   // of the present module, for the record
+  ModuleRecord* record_ = nullptr;      // of the caller; null: nothing is recorded
+  ProductionCounts* counts_ = nullptr;  // of the caller; null: nothing is counted
+  std::uint32_t searchDepth_ = 0;       // of the present module, for the record
   bool storesFloats_;
   ContextString around_;
   const ModuleString* produced_ = nullptr;  // the string being produced, of the caller

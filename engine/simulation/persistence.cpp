@@ -169,6 +169,7 @@ Simulation::Implementation::Outcome Simulation::Implementation::resume(SnapshotC
     if (content.isAnswered) {
       answerQueries();
     }
+    productions_.goTo(completedSteps_);
     return std::nullopt;
   } catch (const core::SimulationFailure& failure) {
     goBack();

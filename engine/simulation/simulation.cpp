@@ -181,6 +181,12 @@ std::shared_ptr<const PlantsView> Simulation::takeView() {
 void Simulation::followChanges(bool isWanted) {
   implementation_->followChanges(isWanted);
 }
+void Simulation::countProductions(bool isWanted) {
+  implementation_->countProductions(isWanted);
+}
+std::shared_ptr<const ProductionUses> Simulation::productionUses() const {
+  return implementation_->productionUses();
+}
 
 Outcome Simulation::visitModules(
     const std::function<void(const turtle::TurtleRecord&, std::uint64_t first)>& visit) const {

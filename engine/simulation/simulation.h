@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -81,6 +82,19 @@ struct StepStatistics {
   std::uint64_t plants = 0;      // that live
   std::uint64_t births = 0;      // seeds that took root in the step
   std::uint64_t deaths = 0;      // plants that ended in the step
+};
+
+/// How often one production was applied.
+struct ProductionUse {
+  std::uint64_t last = 0;   // in the last step
+  std::uint64_t total = 0;  // in the steps of the run
+};
+
+/// The productions that a run has applied. Those of homomorphism do not count.
+struct ProductionUses {
+  std::uint64_t since = 0;                                              // the steps behind this one were counted
+  std::uint64_t step = 0;                                               // up to this one
+  std::unordered_map<const language::Production*, ProductionUse> uses;  // of all Programs; none: never applied
 };
 
 /// One plant or several, of one Program or several, with an environment, advanced together. Not thread-safe: one worker
@@ -168,6 +182,12 @@ class Simulation {
   [[nodiscard]] std::shared_ptr<const PlantsView> takeView();
   /// Whether the next views tell what changed since the view before each of them. Costs each step a little.
   void followChanges(bool isWanted);
+  /// Whether the steps from now on count how often they apply each production. They take no shortcuts then, and derive
+  /// a long string several times as slowly, with the same result. After rewind() and restore() the counts are those
+  /// that the run had at the step, of the last 1000, or begin anew.
+  void countProductions(bool isWanted);
+  /// At the present step. Null: not counted. Other threads may read it, as long as the Programs live.
+  [[nodiscard]] std::shared_ptr<const ProductionUses> productionUses() const;
 
   /// Hash of the complete state: strings, variables, random streams, environment.
   [[nodiscard]] std::uint64_t stateHash() const;

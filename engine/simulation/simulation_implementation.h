@@ -23,6 +23,7 @@
 #include "engine/simulation/step/change_log.h"
 #include "engine/simulation/step/derivation_pass.h"
 #include "engine/simulation/step/environment_link.h"
+#include "engine/simulation/step/production_log.h"
 #include "engine/simulation/step/step_transaction.h"
 
 namespace espalier::simulation {
@@ -43,6 +44,8 @@ class Simulation::Implementation {
   [[nodiscard]] Outcome draw(turtle::InterpretationOutput output);
   [[nodiscard]] std::shared_ptr<const PlantsView> takeView();
   void followChanges(bool isWanted) { changes_.follow(ChangeReader::Views, isWanted); }
+  void countProductions(bool isWanted) { productions_.follow(isWanted, completedSteps_); }
+  [[nodiscard]] std::shared_ptr<const ProductionUses> productionUses() const { return productions_.uses(); }
   [[nodiscard]] std::uint64_t stateHash() const;
   [[nodiscard]] std::uint64_t plantsHash() const;
   void save(core::ByteSink& sink) const;
@@ -107,6 +110,7 @@ class Simulation::Implementation {
   Population population_;
   StepTransaction transaction_;
   ChangeLog changes_;
+  ProductionLog productions_;
   std::uint64_t viewNumber_ = 0;                          // of the last view
   std::shared_ptr<const SimulationOptions> viewOptions_;  // of the views; null: they have changed since
   BirthsAndDeaths births_;

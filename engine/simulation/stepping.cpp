@@ -59,7 +59,7 @@ Simulation::Implementation::Implementation(Programs programs, std::vector<PlantO
                                     .environment = environment_,
                                     .drawing = drawing_,
                                     .statistics = statistics_}),
-      derivationPass_(options_, messages_, population_, transaction_) {}
+      derivationPass_(options_, messages_, population_, transaction_, productions_) {}
 
 // A step. Each part before the completion can fail: undoStep then takes the step back. Only replies that have arrived
 // from the environment are kept for the next try.
@@ -184,6 +184,9 @@ void Simulation::Implementation::completeStep() {
       changes_.add(plant, *derived);
     }
   }
+  if (productions_.isFollowed()) {
+    productions_.complete(completedSteps_);
+  }
   transaction_.commit();
   births_.complete(population_, transaction_, completedSteps_, statistics_);
   worldVariables_.set(population_, options_.world, completedSteps_);
@@ -280,6 +283,7 @@ void Simulation::Implementation::begin() {
   worldVariables_.set(population_, options_.world, 0);
   transaction_ = StepTransaction(population_.size());
   completedSteps_ = 0;
+  productions_.goTo(0);
   isStarted_ = true;
   statistics_ = StepStatistics{};
   countStrings();

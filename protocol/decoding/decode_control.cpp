@@ -266,6 +266,7 @@ Expected<CreateParams> decodeCreateParams(const Payload& payload) {
       create.world = readOwnWorld(world);
     }
     create.isTraced = !params["trace"].isAbsent() && params["trace"].boolean();
+    create.countsProductions = !params["countProductions"].isAbsent() && params["countProductions"].boolean();
     if (const Member save = params["save"]; !save.isAbsent()) {
       create.save = readSavePolicy(save);
     }
@@ -343,6 +344,7 @@ Expected<EditorParams> decodeEditorParams(const Payload& payload) {
   return decodePayload<EditorParams>(payload, [](const Member& params, EditorParams& editor) {
     params.requireObject();
     editor.message = params["message"].text();
+    editor.simulation = params["simulation"].textOrEmpty();
   });
 }
 
@@ -378,13 +380,13 @@ Expected<GetParams> decodeGetParams(const Payload& payload) {
     get.simulation = readName(params["simulation"]);
     const Member what = params["what"];
     get.what = what.text();
-    constexpr std::array<std::string_view, 12> kKinds{"string", "statistics",  "state-hash",  "turtle",
-                                                      "model",  "information", "checkpoints", "traces",
-                                                      "trace",  "palette",     "explanation", "environment"};
+    constexpr std::array<std::string_view, 13> kKinds{"string",      "statistics",  "state-hash", "turtle", "model",
+                                                      "information", "checkpoints", "traces",     "trace",  "palette",
+                                                      "explanation", "environment", "productions"};
     if (std::find(kKinds.begin(), kKinds.end(), get.what) == kKinds.end()) {
       what.failExpected(
           "one of string, statistics, state-hash, turtle, model, information, checkpoints, traces, trace, palette, "
-          "explanation, environment");
+          "explanation, environment, productions");
     }
     if (get.what == "trace") {
       get.trace = static_cast<std::uint64_t>(params["trace"].integer(1, kMaximumExactInteger));

@@ -76,7 +76,7 @@ LanguageServer::LanguageServer(core::FileProvider& files) : session_(std::make_u
 LanguageServer::~LanguageServer() = default;
 LanguageServer::LanguageServer(LanguageServer&&) noexcept = default;
 
-std::vector<std::string> LanguageServer::receive(std::string_view message) {
+std::vector<std::string> LanguageServer::receive(std::string_view message, const OpenRun& run) {
   core::pollWork();
   if (isNestedTooDeeply(message)) {
     return {errorWithoutId(kParseError, "the message is nested more than " + std::to_string(kGreatestDepth) +
@@ -87,7 +87,7 @@ std::vector<std::string> LanguageServer::receive(std::string_view message) {
     return {errorWithoutId(kParseError, "the message is no JSON")};
   }
   std::vector<std::string> sent;
-  for (const nlohmann::json& answer : session_->receive(parsed)) {
+  for (const nlohmann::json& answer : session_->receive(parsed, run)) {
     sent.push_back(messageText(answer));
   }
   return sent;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/core/streams.h"
+#include "server/language_server/run_counts.h"
 
 namespace espalier::server {
 
@@ -22,8 +23,8 @@ class LanguageServer {
   LanguageServer(LanguageServer&&) noexcept;
 
   /// Takes the JSON text of a message and returns the messages to be sent, in order. Text that is no JSON gets an
-  /// error.
-  [[nodiscard]] std::vector<std::string> receive(std::string_view message);
+  /// error. `run` is asked for code lenses alone.
+  [[nodiscard]] std::vector<std::string> receive(std::string_view message, const OpenRun& run = {});
 
   /// Whether the editor has said `exit`.
   [[nodiscard]] bool hasEnded() const;

@@ -29,7 +29,7 @@ Json notificationOf(const char* method, Json parameters) {
 
 }  // namespace
 
-std::vector<Json> LanguageSession::receive(const Json& message) {
+std::vector<Json> LanguageSession::receive(const Json& message, const OpenRun& run) {
   std::vector<Json> sent;
   const bool isCall = message.is_object() && message.contains("method") && message["method"].is_string();
   const Json id = message.is_object() && message.contains("id") ? message["id"] : Json();
@@ -60,7 +60,7 @@ std::vector<Json> LanguageSession::receive(const Json& message) {
   std::optional<Failure> failure;
   Json result;
   try {
-    result = call(method, parameters, failure);
+    result = call(method, parameters, run, failure);
   } catch (const Json::exception&) {
     failure = Failure{kInvalidParameters, "the parameters of '" + method +
                                               "' have a wrong form: see the Language Server Protocol, version 3.17"};
@@ -69,7 +69,8 @@ std::vector<Json> LanguageSession::receive(const Json& message) {
   return sent;
 }
 
-Json LanguageSession::call(const std::string& method, const Json& parameters, std::optional<Failure>& failure) {
+Json LanguageSession::call(const std::string& method, const Json& parameters, const OpenRun& run,
+                           std::optional<Failure>& failure) {
   if (method == "initialize") {
     return initialize(parameters);
   }
@@ -107,6 +108,9 @@ Json LanguageSession::call(const std::string& method, const Json& parameters, st
   if (method == "textDocument/semanticTokens/full") {
     return semanticTokens(parameters);
   }
+  if (method == "textDocument/codeLens") {
+    return codeLenses(parameters, run);
+  }
   failure = Failure{kMethodNotFound, "there is no method '" + method + "'"};
   return nullptr;
 }
@@ -129,6 +133,7 @@ Json LanguageSession::initialize(const Json& parameters) {
         {"documentFormattingProvider", true},
         {"renameProvider", {{"prepareProvider", true}}},
         {"completionProvider", Json::object()},
+        {"codeLensProvider", Json::object()},
         {"semanticTokensProvider",
          {{"legend", {{"tokenTypes", semanticTokenTypes()}, {"tokenModifiers", Json::array()}}}, {"full", true}}}}}};
 }

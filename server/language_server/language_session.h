@@ -9,20 +9,22 @@
 
 #include "server/language_server/model_analysis.h"
 #include "server/language_server/open_documents.h"
+#include "server/language_server/run_counts.h"
 #include "server/language_server/text_positions.h"
 
 namespace espalier::server {
 
 /// The work of a LanguageServer, on messages that are parsed. It gives diagnostics, hover, completion, definition,
-/// references, highlights, rename, formatting, document symbols and semantic tokens. Everything comes from the
-/// program's own compiler, which reads the whole model after each change.
+/// references, highlights, rename, formatting, document symbols, semantic tokens and code lenses. Everything but the
+/// lenses comes from the program's own compiler, which reads the whole model after each change.
 class LanguageSession {
  public:
   /// `files` gives the files that the editor has not open; it must outlive the object.
   explicit LanguageSession(core::FileProvider& files) : documents_(files) {}
 
   /// Takes a message and returns the messages to be sent. A message that is no request of JSON-RPC 2.0 gets an error.
-  [[nodiscard]] std::vector<nlohmann::json> receive(const nlohmann::json& message);
+  /// `run`: LanguageServer::receive.
+  [[nodiscard]] std::vector<nlohmann::json> receive(const nlohmann::json& message, const OpenRun& run);
 
   /// Whether the editor has said `exit`, and whether it had said `shutdown` before.
   [[nodiscard]] bool hasEnded() const { return hasEnded_; }
@@ -37,7 +39,8 @@ class LanguageSession {
   struct Place;
 
   // language_server.cpp
-  [[nodiscard]] Json call(const std::string& method, const Json& parameters, std::optional<Failure>& failure);
+  [[nodiscard]] Json call(const std::string& method, const Json& parameters, const OpenRun& run,
+                          std::optional<Failure>& failure);
   void notify(const std::string& method, const Json& parameters, std::vector<Json>& sent);
   [[nodiscard]] Json initialize(const Json& parameters);
   void publish(std::vector<Json>& sent);
@@ -60,6 +63,7 @@ class LanguageSession {
   [[nodiscard]] Json formatting(const Json& parameters, std::optional<Failure>& failure);
   [[nodiscard]] Json symbols(const Json& parameters);
   [[nodiscard]] Json semanticTokens(const Json& parameters);
+  [[nodiscard]] Json codeLenses(const Json& parameters, const OpenRun& openRun);
 
   OpenDocuments documents_;
   ColumnUnit unit_ = ColumnUnit::Utf16;

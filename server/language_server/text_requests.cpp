@@ -1,4 +1,4 @@
-// The requests about a whole document: completion, formatting, symbols, semantic tokens.
+// The requests about a whole document: completion, formatting, symbols, semantic tokens, code lenses.
 
 #include <algorithm>
 #include <array>
@@ -160,6 +160,46 @@ class TextTokens {
   bool isQuoteOpen_ = false;  // that line has a quote without a partner
 };
 
+/// The lines of a text without their ends.
+std::vector<std::string_view> linesOf(std::string_view text) {
+  std::vector<std::string_view> lines;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string_view line = text.substr(begin, end - begin);
+    if (line.ends_with('\r')) {
+      line.remove_suffix(1);
+    }
+    lines.push_back(line);
+    begin = end + 1;
+  }
+  return lines;
+}
+
+/// The line of the text as it is now where the run's line stands: the nearest equal one. Nothing: it was edited.
+std::optional<std::size_t> presentLine(const std::vector<std::string_view>& lines, const core::SourceLocation& place) {
+  const std::size_t before = std::max<std::size_t>(place.line, 1) - 1;
+  for (std::size_t away = 0; away < lines.size() + before; ++away) {
+    core::pollWork();
+    for (const std::size_t line : {before - std::min(away, before), before + away}) {
+      if (line < lines.size() && lines[line] == place.lineText) {
+        return line;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+std::string lensTitle(const RunCounts& run, const RunCounts::Production& production) {
+  const auto counted = [](std::uint64_t count, const std::string& unit) {
+    return std::to_string(count) + " " + unit + (count == 1 ? "" : "s");
+  };
+  std::string title = production.total == 0
+                          ? "never applied in " + counted(run.step - run.since, "step")
+                          : "applied " + counted(production.total, "time") + ", " + std::to_string(production.last) +
+                                " in step " + std::to_string(run.step);
+  return run.since == 0 ? title : title + ", counted since step " + std::to_string(run.since);
+}
+
 Json itemOf(const std::string& label, int kind, std::optional<std::string> documentation = std::nullopt) {
   Json item{{"label", label}, {"kind", kind}};
   if (documentation) {
@@ -261,6 +301,32 @@ Json LanguageSession::symbols(const Json& parameters) {
     }
   }
   return symbols;
+}
+
+Json LanguageSession::codeLenses(const Json& parameters, const OpenRun& openRun) {
+  const OpenDocument* document = documents_.find(parameters.at("textDocument").at("uri").get<std::string>());
+  Json lenses = Json::array();
+  const std::optional<RunCounts> run = document != nullptr && openRun ? openRun() : std::nullopt;
+  if (!run || run->step == run->since) {
+    return lenses;
+  }
+  // a run knows the files of its model by their names alone
+  const auto nameOf = [](const std::string& path) { return path.substr(path.find_last_of('/') + 1); };
+  const std::vector<std::string_view> lines = linesOf(document->text);
+  for (const RunCounts::Production& production : run->productions) {
+    const bool isHere = nameOf(production.place.file) == nameOf(document->path);
+    const auto line = isHere ? presentLine(lines, production.place) : std::nullopt;
+    if (line) {
+      const std::string text(lines[*line]);
+      const auto end = static_cast<std::uint32_t>(text.size());
+      const std::uint32_t begin = std::min(std::max(production.place.column, 1U) - 1, end);
+      lenses.push_back({{"range",
+                         {{"start", {{"line", *line}, {"character", columnAt(text, begin, unit_)}}},
+                          {"end", {{"line", *line}, {"character", columnAt(text, end, unit_)}}}}},
+                        {"command", {{"title", lensTitle(*run, production)}, {"command", ""}}}});
+    }
+  }
+  return lenses;
 }
 
 Json LanguageSession::semanticTokens(const Json& parameters) {

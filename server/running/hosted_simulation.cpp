@@ -140,6 +140,7 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   }
   auto made = std::make_unique<simulation::Simulation>(
       std::move(programs), std::move(plants), QueryRecorder::record(std::move(process), queries_), std::move(options));
+  made->countProductions(record_.create.countsProductions);
   const std::lock_guard lock(cancelMutex_);
   simulation_.swap(made);
   links_ = std::move(environment.links);

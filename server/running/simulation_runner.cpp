@@ -59,8 +59,18 @@ void SimulationRunner::publishInformation() {
   strings_.set(hosted_->stringBytes());
   environments_.set(hosted_->environmentBytes());
   models_.set(hosted_->modelBytes());
+  Productions productions;
+  if (auto uses = simulation.productionUses()) {
+    productions = {simulation.programs(), std::move(uses)};
+  }
   const std::lock_guard lock(mutex_);
   information_ = std::move(information);
+  std::swap(productions_, productions);
+}
+
+SimulationRunner::Productions SimulationRunner::productions() const {
+  const std::lock_guard lock(mutex_);
+  return productions_;
 }
 
 protocol::SimulationInformation SimulationRunner::information() const {
@@ -234,6 +244,7 @@ bool SimulationRunner::makePassive() {
       return false;
     }
     resting = std::move(hosted_);
+    productions_ = {};
     viewers = std::move(viewers_);
     isPassive_ = true;
     strings_.set(0);

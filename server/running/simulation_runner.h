@@ -70,6 +70,12 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   /// The same, giving up the running turn; then runs one last command.
   void closeWith(std::shared_ptr<Command> last, const protocol::Error& reason);
   [[nodiscard]] protocol::SimulationInformation information() const;
+  /// How often it has applied its productions, after the last turn.
+  struct Productions {
+    simulation::Programs programs;
+    std::shared_ptr<const simulation::ProductionUses> uses;  // null: it does not count
+  };
+  [[nodiscard]] Productions productions() const;
   /// A step of it runs or waits.
   [[nodiscard]] bool isRunning() const;
   [[nodiscard]] const std::string& id() const { return id_; }
@@ -150,6 +156,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   std::uint64_t turnCount_ = 0;  // turns begun
   std::optional<protocol::Error> closed_;
   protocol::SimulationInformation information_;
+  Productions productions_;
   std::shared_ptr<Viewers> viewers_;  // null: there never was one
   bool isCatchingUp_ = false;         // such a command is queued
 };

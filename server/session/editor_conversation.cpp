@@ -32,7 +32,8 @@ void EditorConversation::beginNext() {
   begin(Turn(nullptr, [self = shared_from_this()](void*) { self->beginNext(); }));
 }
 
-void EditorConversation::receive(const std::string& message, const std::function<void(const Messages&)>& answer) {
+void EditorConversation::receive(const std::string& message, const OpenRun& run,
+                                 const std::function<void(const Messages&)>& answer) {
   PartMeter meter;
   Messages messages;
   // the answers are taken and given back under the same meter: what is left is what the conversation keeps
@@ -46,7 +47,7 @@ void EditorConversation::receive(const std::string& message, const std::function
   });
   {
     const core::WorkMeter::Scope scope(&meter);
-    messages = server_.receive(message);
+    messages = server_.receive(message, run);
   }
   answer(messages);
 }

@@ -27,9 +27,9 @@ class EditorConversation : public std::enable_shared_from_this<EditorConversatio
   /// Calls `begin` when the turns before have ended: here, or at the end of the last of them on its thread. So messages
   /// that wait keep no worker. Thread-safe.
   void takeTurn(std::function<void(Turn)> begin);
-  /// Hands the answers of a message to `answer`. In a turn only. What it throws passes through, as does WorkStopped;
-  /// the conversation goes on after that.
-  void receive(const std::string& message, const std::function<void(const Messages&)>& answer);
+  /// Hands the answers of a message to `answer`. `run`: LanguageServer::receive. In a turn only. What it throws passes
+  /// through, as does WorkStopped; the conversation goes on after that.
+  void receive(const std::string& message, const OpenRun& run, const std::function<void(const Messages&)>& answer);
 
  private:
   class NoFiles final : public core::FileProvider {

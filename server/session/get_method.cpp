@@ -10,6 +10,7 @@
 #include "server/remote/translation/translate.h"
 #include "server/running/environment_builder.h"
 #include "server/server_core.h"
+#include "server/session/production_counts.h"
 #include "server/session/request_work.h"
 #include "server/session/session.h"
 
@@ -206,6 +207,24 @@ Problem writeExplanation(SimulationRunner& runner, const protocol::GetParams& pa
   return std::nullopt;
 }
 
+Problem writeProductions(SimulationRunner& runner, const protocol::GetParams&, protocol::JsonWriter& result) {
+  const simulation::Simulation& simulation = runner.hosted().simulation();
+  const auto uses = simulation.productionUses();
+  if (uses == nullptr) {
+    return protocol::memberError("params.what",
+                                 "this simulation does not count; make it with \"countProductions\":true");
+  }
+  const RunCounts counts = runCounts(simulation.programs(), *uses);
+  result.key("since").integer(counts.since).key("productions").beginArray();
+  for (const RunCounts::Production& production : counts.productions) {
+    result.beginObject().key("production").text(production.text).key("file").text(lastPart(production.place.file));
+    result.key("line").integer(production.place.line).key("last").integer(production.last);
+    result.key("total").integer(production.total).endObject();
+  }
+  result.endArray();
+  return std::nullopt;
+}
+
 struct Part {
   std::string_view what;
   Problem (*write)(SimulationRunner&, const protocol::GetParams&, protocol::JsonWriter&);
@@ -219,6 +238,7 @@ constexpr std::array kParts{
     Part{"traces", writeTraces},           Part{"trace", writeTrace},
     Part{"turtle", writeTurtle},           Part{"palette", writePalette},
     Part{"explanation", writeExplanation}, Part{"environment", writeEnvironment},
+    Part{"productions", writeProductions},
 };
 
 protocol::Expected<std::string> readPart(SimulationRunner& runner, const protocol::GetParams& params) {

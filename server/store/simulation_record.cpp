@@ -48,7 +48,8 @@ std::string toText(const SimulationRecord& record) {
   }
   params.key("save");
   write(params, create.save);
-  params.key("trace").boolean(create.isTraced).endObject();
+  params.key("trace").boolean(create.isTraced);
+  params.key("countProductions").boolean(create.countsProductions).endObject();
   return protocol::encodeNotification("simulation.create", params.take());
 }
 

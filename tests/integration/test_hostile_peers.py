@@ -166,6 +166,25 @@ class Hostile(unittest.TestCase):
 
     # ---- limits, at the bound and one past it ----
 
+    def test_requests_of_a_session(self) -> None:
+        server = self.serve("requestsPerSession=3")
+        peer = self.peer(server)
+        source = MODEL.replace("length: 9", "length: 1000000000").replace("AA", "A")
+        made = peer.ask("simulation.create", model={"source": source}, save=False)
+        run = {"method": "simulation.run", "params": {"simulation": made["result"]["simulation"]}}
+        for number in (101, 102, 103, 104):
+            peer.send(json.dumps({"jsonrpc": "2.0", "id": number, **run}).encode() + b"\n")
+        refusal = peer.read()
+        self.assertEqual(refusal["id"], 104)
+        self.assertEqual({key: refusal["error"]["data"][key] for key in ("limit", "bound", "value")},
+                         {"limit": "requestsPerSession", "bound": 3, "value": 4})
+        # one that ends makes room for one
+        peer.send(b'{"jsonrpc":"2.0","method":"$/cancel","params":{"id":102}}\n')
+        self.assertEqual(peer.read()["id"], 102)
+        peer.send(b'{"jsonrpc":"2.0","id":105,"method":"server.status"}\n')
+        answer = peer.read()
+        self.assertEqual((answer["id"], "result" in answer), (105, True))
+
     def test_sessions(self) -> None:
         server = self.serve("sessions=3")
         peers = [self.peer(server) for _ in range(3)]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from support import GALLERY, REPOSITORY, SECONDS, program
 
-from espalier import Server
+from espalier import Server, ServerError
 
 MODEL = """#define RATIO 0.7
 Lsystem: 1
@@ -130,6 +130,43 @@ class LanguageServer(unittest.TestCase):
             (hover,) = say(id=2, method="textDocument/hover", params={
                 "textDocument": {"uri": "page:/tree.l"}, "position": {"line": 5, "character": 9}})
             self.assertIn("advances", hover["result"]["contents"]["value"])
+
+    def test_a_page_sees_how_often_the_run_has_applied_each_production(self) -> None:
+        server = Server(program(), arguments=["--log-level", "off"])
+        self.addCleanup(server.stop)
+        text = MODEL.replace("RATOI", "RATIO").replace("endlsystem", "F(x) : x < 0 --> A(x)\nendlsystem")
+        with server.connect() as client:
+            def lenses(**run: str) -> list:
+                asked = json.dumps({"jsonrpc": "2.0", "id": 2, "method": "textDocument/codeLens",
+                                    "params": {"textDocument": {"uri": "model.l"}}})
+                (answer,) = client.call("editor.message", {"message": asked, **run})["messages"]
+                return [(one["range"]["start"]["line"], one["command"]["title"]) for one in json.loads(answer)["result"]]
+
+            for message in ({"id": 1, "method": "initialize", "params": {"capabilities": {}}},
+                            {"method": "textDocument/didOpen", "params": {"textDocument": {
+                                "uri": "model.l", "languageId": "espalier", "version": 1, "text": text}}}):
+                client.call("editor.message", {"message": json.dumps({"jsonrpc": "2.0", **message})})
+            made = client.call("simulation.create", {"model": {"source": text}, "seed": 1, "countProductions": True})
+            run = {"simulation": made["simulation"]}
+            self.assertEqual(lenses(**run), [])
+            client.call("simulation.run", run)
+            self.assertEqual(lenses(**run), [(4, "applied 3 times, 1 in step 3"), (5, "never applied in 3 steps")])
+            # the same figures as data
+            answer = client.call("simulation.get", {**run, "what": "productions"})
+            self.assertEqual([(one["line"], one["last"], one["total"]) for one in answer["productions"]], [(5, 1, 3), (6, 0, 0)])
+            self.assertEqual((answer["since"], answer["productions"][0]["file"]), (0, "model.l"))
+            self.assertEqual(answer["productions"][0]["production"], "A(x) --> F(x)A(x * 0.7)")
+            # the same bits as a run that does not count
+            other = client.call("simulation.create", {"model": {"source": text}, "seed": 1})
+            client.call("simulation.run", {"simulation": other["simulation"]})
+            hashes = [client.call("simulation.get", {"simulation": one["simulation"], "what": "state-hash"})["stateHash"]
+                      for one in (made, other)]
+            self.assertEqual(hashes[0], hashes[1])
+            self.assertEqual(lenses(simulation=other["simulation"]), [])
+            self.assertEqual(lenses(simulation="sim-000000000000"), [])
+            self.assertEqual(lenses(), [])
+            with self.assertRaisesRegex(ServerError, "countProductions"):
+                client.call("simulation.get", {"simulation": other["simulation"], "what": "productions"})
 
     @unittest.skipUnless(shutil.which("nvim"), "Neovim is not installed (Debian: neovim)")
     def test_long_neovim_shows_the_mistake(self) -> None:

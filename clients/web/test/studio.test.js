@@ -298,6 +298,23 @@ test("a model is written, broken, and mended by its hint", async () => {
   await page.close();
 });
 
+test("no letter is lost while somebody types and the plant grows again and again", async () => {
+  const page = await open(SMALL());
+  await page.evaluate(() => studio.openDocument({ title: "typed", main: "model.l", binary: {}, environment: null, gallery: null, files: { "model.l": "Lsystem: 1\nderivation length: 3\nAxiom: A\nA --> FA\nendlsystem\n" } }));
+  await shown(page);
+  await page.click(".cm-content");
+  await page.keyboard.press("Control+Home");
+  const words = Array.from({ length: 12 }, (_, i) => `// line ${i} with some words`);
+  for (const line of words) {
+    await page.keyboard.type(line);
+    await page.keyboard.press("Enter");
+  }
+  const text = await page.evaluate(() => document.querySelector(".code").editor.view.state.doc.toString());
+  assert.equal(text, `${words.join("\n")}\nLsystem: 1\nderivation length: 3\nAxiom: A\nA --> FA\nendlsystem\n`);
+  assert.equal(await page.evaluate(() => studio.document.files["model.l"]), text);
+  await page.close();
+});
+
 test("the language server completes, explains, finds the definition and renames in all files of the model", async () => {
   const page = await open(SMALL());
   await page.evaluate(() => studio.openDocument({
@@ -362,6 +379,27 @@ test("the language server completes, explains, finds the definition and renames 
   await keep(page, "studio-completion");
   await page.keyboard.press("Tab");
   await page.waitForFunction(() => studio.document.files["model.l"].includes("A(LENGTH)\n"));
+  await page.close();
+});
+
+test("each production says how often the run has applied it", async () => {
+  const page = await open(SMALL());
+  const model = "Lsystem: 1\nderivation length: 4\nAxiom: A\nA --> F[+A]A\nF --> FF\nB --> A\nendlsystem\n";
+  await page.evaluate((text) => studio.openDocument({ title: "counted", main: "model.l", binary: {}, environment: null, gallery: null, files: { "model.l": text } }), model);
+  await shown(page);
+  // by line of the text: the number of the line and what stands behind it
+  const lenses = () => page.evaluate(() => [...document.querySelectorAll(".cm-line")].flatMap((line, i) => (line.querySelector(".cm-lens") ? [`${i + 1}: ${line.querySelector(".cm-lens").textContent}`] : [])));
+  const become = async (expected) => {
+    await page.waitForFunction((wanted) => JSON.stringify([...document.querySelectorAll(".cm-line .cm-lens")].map((lens) => lens.textContent)) === JSON.stringify(wanted), expected.map((text) => text.slice(3)), PATIENCE).catch(() => {});
+    assert.deepEqual(await lenses(), expected);
+  };
+  await become(["4: applied 15 times, 8 in step 4", "5: applied 17 times, 12 in step 4", "6: never applied in 4 steps"]);
+  await keep(page, "studio-lenses");
+  // back in time, and an edit that moves the lines
+  await page.evaluate(() => studio.goTo(1));
+  await become(["4: applied 1 time, 1 in step 1", "5: never applied in 1 step", "6: never applied in 1 step"]);
+  await page.evaluate((text) => studio.edit("model.l", `// a comment\n${text}`), model);
+  await become(["5: applied 1 time, 1 in step 1", "6: never applied in 1 step", "7: never applied in 1 step"]);
   await page.close();
 });
 

@@ -5,11 +5,12 @@
 
 namespace espalier::derivation {
 
-/// Every module in the general way, so that the record of one module holds every decision (Derivation::deriveRecorded).
-class RecordedScan {
+/// Every module in the general way, so that the Rewriter sees every decision: for the record of one module
+/// (Derivation::deriveRecorded), and for the counts of productions.
+class GeneralScan {
  public:
   /// Both must outlive the object.
-  RecordedScan(ScanContext& context, ModuleRewriter& rewriter) : context_(&context), rewriter_(&rewriter) {}
+  GeneralScan(ScanContext& context, ModuleRewriter& rewriter) : context_(&context), rewriter_(&rewriter) {}
 
   /// The whole old string.
   void run();

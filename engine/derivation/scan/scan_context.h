@@ -71,6 +71,7 @@ struct ScanContext {
   bool isOutputIndexed = false;       // between steps: `index` is that of `output`
   LeftShortcuts shortcuts;            // in the string that is read, by the rules of the main L-system
   ModuleRecord* record = nullptr;     // of the caller of deriveRecorded, while it runs
+  bool isCounted = false;             // the Rewriter counts how often each production is applied
   std::uint64_t scannedModules = 0;   // in all steps so far
 };
 

@@ -26,7 +26,7 @@ StepScan::StepScan(ScanContext& context, SubSystems& calls)
       rewriter_(context),
       plain_(context, rewriter_),
       batch_(context, plain_),
-      recorded_(context, rewriter_),
+      general_(context, rewriter_),
       backward_(context, rewriter_),
       subSystems_(context, rewriter_, calls) {}
 
@@ -41,8 +41,8 @@ StepScan::Kind StepScan::chooseKind(const ModuleString& old) const {
   if (tables.isProducedBackwards) {
     return Kind::Backward;
   }
-  if (context_->record != nullptr) {
-    return Kind::Recorded;
+  if (context_->record != nullptr || context_->isCounted) {
+    return Kind::General;
   }
   if (threadCount_ > 1 && old.size() >= options.threadedModules) {
     // the draws of the compatible modes are one sequence: a thread that goes ahead would take those of another
@@ -71,8 +71,8 @@ void StepScan::run() {
     case Kind::Backward:
       backward_.run();
       break;
-    case Kind::Recorded:
-      recorded_.run();
+    case Kind::General:
+      general_.run();
       break;
     case Kind::ParallelBatch:
       if (parallelBatch_ == nullptr) {
@@ -117,7 +117,7 @@ void StepScan::begin(Kind kind, const ModuleString& old) {
 void StepScan::finish(Kind kind, const ModuleString& old) {
   ScanContext& context = *context_;
   // the other kinds note what they leave as it was on their way
-  if (kind == Kind::SubSystems || kind == Kind::Backward || kind == Kind::Recorded) {
+  if (kind == Kind::SubSystems || kind == Kind::Backward) {
     context.noteEqualEnds({}, {old.size(), old.parameterCount()}, 0, 0);
   }
   context.scannedModules += old.size();

@@ -6,9 +6,9 @@
 #include "engine/core/worker_team.h"
 #include "engine/derivation/scan/backward_scan.h"
 #include "engine/derivation/scan/batch_scan.h"
+#include "engine/derivation/scan/general_scan.h"
 #include "engine/derivation/scan/module_rewriter.h"
 #include "engine/derivation/scan/plain_scan.h"
-#include "engine/derivation/scan/recorded_scan.h"
 #include "engine/derivation/scan/scan_context.h"
 #include "engine/derivation/scan/sub_system_scan.h"
 
@@ -34,7 +34,7 @@ class StepScan {
   enum class Kind : std::uint8_t {
     SubSystems,       // the model calls sub-L-systems
     Backward,         // it has `>>`
-    Recorded,         // the caller asks for a record of one module
+    General,          // the caller wants a record of one module, or counts of productions
     ParallelBatch,    // a long string, several threads, batches can do every module
     ParallelGeneral,  // a long string, several threads, no module depends on another
     Batch,            // batches can do many modules
@@ -53,7 +53,7 @@ class StepScan {
   ModuleRewriter rewriter_;
   PlainScan plain_;
   BatchScan batch_;
-  RecordedScan recorded_;
+  GeneralScan general_;
   BackwardScan backward_;
   SubSystemScan subSystems_;
   // made when a string is long enough for several threads

@@ -16,6 +16,9 @@ void DerivationPass::run(const std::vector<std::size_t>& plants, bool isKept, bo
   completedSteps_ = completedSteps;
   derivedModules_ = 0;
   derivedBytes_ = 0;
+  if (productions_->isFollowed()) {
+    productions_->begin(population_->states().size());
+  }
   if (isWorthThreads(plants)) {
     deriveSideBySide(plants);
   } else {
@@ -36,7 +39,8 @@ void DerivationPass::derivePlant(std::size_t plant) {
   if (isKept_) {
     transaction_->rememberUnderived(plant, state);
   }
-  population_->derivation(plant).derive(state, isFollowed_ ? &transaction_->derivedChanges(plant) : nullptr);
+  population_->derivation(plant).derive(state, isFollowed_ ? &transaction_->derivedChanges(plant) : nullptr,
+                                        productions_->isFollowed() ? &productions_->of(plant) : nullptr);
   // what those before have cannot become less: the outcome is the same in any order
   if (population_->states().size() > 1) {
     requireTogether(derivedModules_ += state.string.size(), derivedBytes_ += state.string.bytes());

@@ -10,6 +10,7 @@
 #include "engine/simulation/plants/plant_messages.h"
 #include "engine/simulation/plants/population.h"
 #include "engine/simulation/simulation.h"
+#include "engine/simulation/step/production_log.h"
 #include "engine/simulation/step/step_transaction.h"
 
 namespace espalier::simulation {
@@ -19,8 +20,12 @@ namespace espalier::simulation {
 class DerivationPass {
  public:
   DerivationPass(const SimulationOptions& options, PlantMessages& messages, Population& population,
-                 StepTransaction& transaction)
-      : options_(&options), messages_(&messages), population_(&population), transaction_(&transaction) {}
+                 StepTransaction& transaction, ProductionLog& productions)
+      : options_(&options),
+        messages_(&messages),
+        population_(&population),
+        transaction_(&transaction),
+        productions_(&productions) {}
 
   /// Derives these plants, by rising number. `isKept`: each one is copied before, so that it can be taken back when
   /// another fails. `isFollowed`: the transaction learns what changes. Throws SimulationFailure.
@@ -39,6 +44,7 @@ class DerivationPass {
   PlantMessages* messages_;
   Population* population_;
   StepTransaction* transaction_;
+  ProductionLog* productions_;
   // of the pass under way
   bool isKept_ = false;
   bool isFollowed_ = false;

@@ -246,6 +246,20 @@ TEST(Simulation, AQueryOfAHomomorphismTakesPartAndItsReplyIsDiscarded) {
   EXPECT_EQ(run.log->batches[0].parameters, (std::vector<double>{7, 2}));
 }
 
+TEST(Simulation, ACutOfAHomomorphismEndsNoBranch) {
+  const auto drawn = [](const std::string& axiom) {
+    TestRun run(compileText(
+        "Lsystem: 1\nderivation length: 1\nAxiom: " + axiom + "\nhomomorphism\nJ --> F(3)@mc(1)F(4)\nendlsystem\n",
+        "interpretation past %: off\n"));
+    expectSuccess(run.simulation.rewind());
+    const auto scene = run.simulation.scene();
+    const auto* made = std::get_if<turtle::Scene>(&scene);
+    return made == nullptr ? std::size_t{0} : made->segments.size();
+  };
+  EXPECT_EQ(drawn("[JF(1)]F(2)"), 4U);
+  EXPECT_EQ(drawn("[@mc(1)F(1)]F(2)"), 1U);
+}
+
 TEST(Simulation, PlantsShareTheEnvironmentAtTheirPlaces) {
   TestRun run(compileText("Lsystem: 1\nderivation length: 2\nAxiom: F?E(0)\nF --> F\nendlsystem\n"), 3);
   expectSuccess(run.simulation.rewind());

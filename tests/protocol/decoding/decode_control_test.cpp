@@ -25,7 +25,7 @@ TEST(DecodeControl, NamesThePathOfWhatIsWrong) {
             "params.roles[0]: expected \"controller\", \"environment\" or \"viewer\", found \"king\"");
   EXPECT_EQ(problem(decodeGetParams(params(R"({"simulation":"a","what":"all"})"))),
             "params.what: expected one of string, statistics, state-hash, turtle, model, information, checkpoints, "
-            "traces, trace, palette, explanation, environment, found \"all\"");
+            "traces, trace, palette, explanation, environment, productions, found \"all\"");
   EXPECT_EQ(problem(decodeGetParams(params(R"({"simulation":"a","what":"explanation"})"))),
             "params.module: expected a whole number from 0 to 9007199254740992, found nothing");
   EXPECT_EQ(problem(decodeEditorParams(params(R"({"message":{}})"))),

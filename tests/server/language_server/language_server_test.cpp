@@ -375,6 +375,75 @@ TEST(LanguageServer, EditsAtRandomEndInTheMessagesOfAFreshReading) {
   }
 }
 
+/// A run of kTree with counts of its two productions.
+RunCounts runOfTree() {
+  const auto place = [](std::uint32_t line, const std::string& text) {
+    core::SourceLocation location;
+    location.file = "sources/tree.l";
+    location.line = line;
+    location.column = 1;
+    location.lineText = text;
+    return location;
+  };
+  return {.since = 0,
+          .step = 3,
+          .productions = {{"A", place(8, "A(len) : len > R --> F(len)[+(30)A(GROW(len))]A(len * R)"), 4, 7},
+                          {"F", place(9, "F(l) --> F(l + age)"), 0, 0}}};
+}
+
+/// `line: title` of the lenses of a text in an open run.
+std::vector<std::string> lensesOf(const std::string& text, const OpenRun& run,
+                                  const std::string& uri = "file:///a/tree.l") {
+  core::MemoryFileProvider files;
+  LanguageServer server(files);
+  const auto ask = [&](Json message) {
+    message["jsonrpc"] = "2.0";
+    const std::vector<std::string> sent = server.receive(message.dump(), run);
+    return sent.empty() ? Json() : Json::parse(sent.front());
+  };
+  const Json opened = ask({{"id", 1}, {"method", "initialize"}, {"params", {{"capabilities", Json::object()}}}});
+  EXPECT_TRUE(opened["result"]["capabilities"].contains("codeLensProvider"));
+  static_cast<void>(ask({{"method", "textDocument/didOpen"},
+                         {"params", {{"textDocument", {{"uri", uri}, {"text", text}, {"version", 1}}}}}}));
+  const Json answer =
+      ask({{"id", 2}, {"method", "textDocument/codeLens"}, {"params", {{"textDocument", {{"uri", uri}}}}}});
+  std::vector<std::string> lenses;
+  for (const Json& lens : answer["result"]) {
+    EXPECT_EQ(lens["range"]["start"]["line"], lens["range"]["end"]["line"]);
+    lenses.push_back(std::to_string(lens["range"]["start"]["line"].get<int>()) + ": " +
+                     lens["command"]["title"].get<std::string>());
+  }
+  return lenses;
+}
+
+TEST(LanguageServer, LensesSayHowOftenTheOpenRunAppliedAProduction) {
+  const OpenRun run = [] { return runOfTree(); };
+  const std::vector<std::string> expected{"7: applied 7 times, 4 in step 3", "8: never applied in 3 steps"};
+  EXPECT_EQ(lensesOf(kTree, run), expected);
+  // lines that move keep their lens, an edited production has none until it has run
+  EXPECT_EQ(lensesOf("// one\n// two\n" + kTree, run),
+            (std::vector<std::string>{"9: applied 7 times, 4 in step 3", "10: never applied in 3 steps"}));
+  EXPECT_EQ(lensesOf(std::string(kTree).replace(kTree.find("F(l) -->"), 8, "F(m) -->"), run),
+            std::vector<std::string>{expected[0]});
+  // another file, no run, a run that has made no step
+  EXPECT_TRUE(lensesOf(kTree, run, "file:///a/bush.l").empty());
+  EXPECT_TRUE(lensesOf(kTree, {}).empty());
+  EXPECT_TRUE(lensesOf(kTree, [] { return std::nullopt; }).empty());
+  EXPECT_TRUE(lensesOf(kTree, [] {
+                RunCounts early = runOfTree();
+                early.since = early.step;
+                return early;
+              }).empty());
+  // a run whose first steps were not counted says so
+  EXPECT_EQ(lensesOf(kTree,
+                     [] {
+                       RunCounts late = runOfTree();
+                       late.since = 2;
+                       return late;
+                     })[1],
+            "8: never applied in 1 step, counted since step 2");
+}
+
 TEST(MessageCutter, CutsMessagesThatComeInPieces) {
   MessageCutter cutter;
   const std::string bytes = framed("{\"a\":1}") + "content-type: x\r\nCONTENT-LENGTH:2\r\n\r\n{}";

@@ -6,11 +6,12 @@ import type { StringStream } from "@codemirror/language";
 import { lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
 import type { Diagnostic as Mark } from "@codemirror/lint";
 import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
-import { Annotation, EditorState } from "@codemirror/state";
-import { EditorView, drawSelection, highlightActiveLine, highlightActiveLineGutter, keymap, lineNumbers } from "@codemirror/view";
+import { Annotation, EditorState, StateEffect, StateField } from "@codemirror/state";
+import { Decoration, EditorView, WidgetType, drawSelection, highlightActiveLine, highlightActiveLineGutter, keymap, lineNumbers } from "@codemirror/view";
+import type { DecorationSet } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
 import type { Diagnostic } from "espalier";
-import type { LanguageHelp } from "./language_help.js";
+import type { LanguageHelp, Lens } from "./language_help.js";
 
 const STATEMENTS =
   /^(?:Lsystem|derivation length|Axiom|axiom|consider|ignore|seed|homomorphism|interpretation|decomposition|maximum depth|production|Module|Start|End|StartEach|EndEach|endlsystem|[a-z][a-z ]+)(?=\s*:)|^(?:homomorphism|decomposition|endlsystem)\b/;
@@ -94,11 +95,39 @@ const theme = EditorView.theme({
   "&.cm-focused .cm-selectionBackground, .cm-selectionBackground": { backgroundColor: "var(--selection) !important" },
   ".cm-tooltip": { backgroundColor: "var(--raised)", border: "1px solid var(--edge)", borderRadius: "6px", color: "var(--text)" },
   ".cm-diagnostic": { fontFamily: "var(--mono)", fontSize: "12px", padding: "6px 10px" },
+  ".cm-lens": { color: "var(--quiet)", fontSize: "11px", paddingLeft: "1.5em", whiteSpace: "nowrap" },
+  ".cm-lens-never": { fontStyle: "italic" },
   ".cm-panels": { backgroundColor: "var(--raised)", color: "var(--text)" },
 });
 
 // a change that the page makes, not the person
 const fromPage = Annotation.define<boolean>();
+
+/** Behind a production: how often the run has applied it. */
+class LensText extends WidgetType {
+  constructor(private readonly title: string) {
+    super();
+  }
+
+  override eq(other: LensText): boolean {
+    return other.title === this.title;
+  }
+
+  toDOM(): HTMLElement {
+    const text = document.createElement("span");
+    text.className = this.title.startsWith("never") ? "cm-lens cm-lens-never" : "cm-lens";
+    text.textContent = this.title;
+    return text;
+  }
+}
+
+const setLenses = StateEffect.define<DecorationSet>();
+
+const lensField = StateField.define<DecorationSet>({
+  create: () => Decoration.none,
+  update: (shown, transaction) => transaction.effects.reduce((last, effect) => (effect.is(setLenses) ? effect.value : last), shown.map(transaction.changes)),
+  provide: (field) => EditorView.decorations.from(field),
+});
 
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
@@ -146,6 +175,7 @@ export class Editor {
         indentOnInput(),
         highlightSelectionMatches(),
         lintGutter(),
+        lensField,
         language,
         syntaxHighlighting(colours),
         theme,
@@ -223,6 +253,20 @@ export class Editor {
         };
       });
     this.view.dispatch(setDiagnostics(state, marks));
+  }
+
+  /** Shows what the server says about lines of a file, unless the editor shows another one by now. */
+  showLenses(file: string, lenses: Lens[]): void {
+    if (file !== this.file) {
+      return;
+    }
+    const { doc } = this.view.state;
+    const titles = new Map<number, string>();
+    for (const { line, title } of lenses.filter(({ line }) => line < doc.lines)) {
+      titles.set(line, [titles.get(line), title].filter(Boolean).join(" · "));
+    }
+    const marks = [...titles].map(([line, title]) => Decoration.widget({ widget: new LensText(title), side: 1 }).range(doc.line(line + 1).to));
+    this.view.dispatch({ effects: setLenses.of(Decoration.set(marks, true)) });
   }
 
   goTo(line: number, column: number): void {

@@ -128,6 +128,12 @@ function withoutHarm(html: string): string {
   return body.innerHTML;
 }
 
+/** What the server says about a line of a file. */
+export interface Lens {
+  line: number; // from 0
+  title: string;
+}
+
 /** Words that fit, without the one that is being written. */
 async function others(context: CompletionContext): Promise<CompletionResult | null> {
   const result = await serverCompletionSource(context);
@@ -190,6 +196,17 @@ export class LanguageHelp {
         },
       }),
     ];
+  }
+
+  /** How often the run has applied the productions of a file. */
+  async lenses(file: string): Promise<Lens[]> {
+    if (!this.client.connected) {
+      return [];
+    }
+    await this.client.initializing;
+    this.client.sync();
+    const found = await this.client.request<object, Array<{ range: { start: { line: number } }; command: { title: string } }>>("textDocument/codeLens", { textDocument: { uri: file } });
+    return found.map(({ range, command }) => ({ line: range.start.line, title: command.title }));
   }
 
   /** Keys of the help; they come before the editor's own. */

@@ -11,6 +11,8 @@ import { IconButton } from "./icons.js";
 import { LanguageHelp } from "./language_help.js";
 import { SurfaceBoard } from "./surface_board.js";
 
+const LENS_MILLISECONDS = 150;
+
 /** Files in the order in which a person needs them: the model, its view, the rest. */
 function ordered(studio: Studio): string[] {
   const main = fileOf(studio.document.main);
@@ -21,10 +23,12 @@ function ordered(studio: Studio): string[] {
 export function TextPane({ studio }: { studio: Studio }) {
   const place = useRef<HTMLDivElement>(null);
   const editor = useRef<Editor | null>(null);
+  const help = useRef<LanguageHelp | null>(null);
+  const areLensesDue = useRef(false);
   const [isNaming, setNaming] = useState(false);
   const { document, openFile, diagnostics } = studio;
   useEffect(() => {
-    const help = new LanguageHelp({
+    const served = new LanguageHelp({
       files: () => studio.document.files,
       edit: (file, text) => studio.edit(file, text),
       show: (file) => {
@@ -34,18 +38,36 @@ export function TextPane({ studio }: { studio: Studio }) {
       },
       send: (message) => studio.editorMessage(message),
     });
-    studio.onConnected = () => !studio.isReadOnly && help.connect();
+    studio.onConnected = () => !studio.isReadOnly && served.connect();
     studio.onUndo = (isRedo) => editor.current?.undo(isRedo);
     editor.current = new Editor(
       place.current!,
       (file, text) => studio.edit(file, text),
       () => void studio.act(() => studio.build(studio.isFinished ? undefined : studio.step)),
-      studio.isReadOnly ? null : help,
+      studio.isReadOnly ? null : served,
     );
+    help.current = studio.isReadOnly ? null : served;
     (place.current as unknown as { editor: Editor }).editor = editor.current;
   }, []);
-  useEffect(() => void editor.current?.show(document.title, openFile, document.files[openFile] ?? ""), [document, openFile]);
+  // the newest text, not the drawn one: letters that were typed since stay
+  useEffect(() => {
+    const { document: { title, files }, openFile: file } = studio;
+    editor.current?.show(title, file, files[file] ?? "");
+  }, [document, openFile]);
   useEffect(() => editor.current?.mark(diagnostics), [diagnostics, openFile]);
+  // a run may make many steps a second: the counts follow at a pace that can be read
+  const { simulation, step } = studio;
+  useEffect(() => {
+    if (areLensesDue.current) {
+      return;
+    }
+    areLensesDue.current = true;
+    setTimeout(() => {
+      areLensesDue.current = false;
+      const file = studio.openFile;
+      void help.current?.lenses(file).then((lenses) => editor.current?.showLenses(file, lenses)).catch(() => {});
+    }, LENS_MILLISECONDS);
+  }, [document, openFile, simulation, step]);
   const curves = parseCurves(openFile, document.files[openFile] ?? "");
   const surface = parseSurface(openFile, document.files[openFile] ?? "");
   const fileOfProblem = (one: Diagnostic) => (one.file ?? "").split("/").pop()!;

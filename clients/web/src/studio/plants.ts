@@ -15,6 +15,7 @@ export function createPlant(client: Client, document: Document, seed: number, si
     seed,
     name: title,
     save: "request",
+    countProductions: true,
     ...(environment && !gallery ? { environment: environment as [] } : {}),
   });
 }

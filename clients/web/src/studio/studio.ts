@@ -224,7 +224,8 @@ export class Studio {
 
   /** A message of the Language Server Protocol, and the messages that come back. */
   async editorMessage(message: string): Promise<string[]> {
-    return (await this.client.call("editor.message", { message })).messages;
+    const run = this.isOwn && this.simulation ? { simulation: this.simulation.id } : {};
+    return (await this.client.call("editor.message", { message, ...run })).messages;
   }
 
   /** A file of the server's HTTP side. */

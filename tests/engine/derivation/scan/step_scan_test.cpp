@@ -160,6 +160,55 @@ TEST(Scan, AgreesWithTheGeneralWayInRings) {
   EXPECT_GT(compareWithRecordedSteps(0, 300, core::Compatibility::Espalier, "Ring Lsystem\n"), 600U);
 }
 
+TEST(Scan, AStepThatCountsProductionsMakesTheSameString) {
+  std::uint64_t applied = 0;
+  std::size_t kept = 0;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    const std::string text = ModelMaker(seed).model();
+    SCOPED_TRACE("model " + std::to_string(seed) + ":\n" + text);
+    derivation::DerivationOptions options;
+    options.threads = 1 + seed % 3;
+    options.threadedModules = 1;
+    DerivedModel plain(text, options);
+    DerivedModel counting(text, options);
+    for (int step = 0; step < 8 && plain.state().string.size() < 3000; ++step) {
+      const PlainString before = plainOf(plain.program(), plain.state().string);
+      plain.derivation().derive(plain.state());
+      derivation::ProductionCounts counts;
+      derivation::StepChanges changes;
+      counting.derivation().derive(counting.state(), &changes, &counts);
+      ASSERT_EQ(counting.text(), plain.text());
+      ASSERT_EQ(counting.state().statics, plain.state().statics);
+      // a string becomes longer by a production; by a cut alone it becomes shorter
+      const PlainString after = plainOf(plain.program(), plain.state().string);
+      std::uint64_t ofStep = 0;
+      for (const auto& [production, count] : counts) {
+        ofStep += count;
+      }
+      ASSERT_TRUE(ofStep > 0 || after.size() <= before.size());
+      applied += ofStep;
+      kept += keptModules(changes, before, after);
+    }
+  }
+  EXPECT_GT(applied, 10000U);
+  EXPECT_GT(kept, 10000U);
+}
+
+TEST(Scan, ProductionsAreCountedWithDecompositionAndWithoutHomomorphism) {
+  const std::string text =
+      modelText("", "AAB", "A --> BC\nB : 1 > 2 --> A\nD --> A\ndecomposition\nC --> FF\nhomomorphism\nF --> GG\n");
+  DerivedModel model(text);
+  derivation::ProductionCounts counts;
+  model.derivation().derive(model.state(), nullptr, &counts);
+  EXPECT_EQ(model.text(), "BFFBFFB");
+  const language::LSystem& system = model.program().systems.front();
+  EXPECT_EQ(counts, (derivation::ProductionCounts{{&system.productions.productions[0], 2},
+                                                  {&system.decomposition.productions[0], 2}}));
+  // without counts nothing is added
+  model.derivation().derive(model.state());
+  EXPECT_EQ(counts.size(), 2U);
+}
+
 TEST(Scan, DecompositionInBatchesWarnsOnceWhereTheDepthEnds) {
   const std::string text =
       modelText("", "T(7)",

@@ -181,6 +181,28 @@ TEST(QueryStretches, AreNewBehindModulesThatHaveGone) {
   }
 }
 
+TEST(QueryStretches, DoNotEndBetweenTheSymbolsOfOneCommand) {
+  // `@` and `D` alone are no command; then the third symbol comes and scales, at the end of stretches of every length
+  for (int before = 240; before < 270; ++before) {
+    const std::string text = repeated("F(1)", before) + "@D";
+    TwoPasses passes(text + repeated("F(1)", 600) + "?E(1)i(4)");
+    passes.takeOver({});
+    derivation::ModuleString& string = passes.string();
+    const std::uint64_t place = static_cast<std::uint64_t>(before) + 2;
+    derivation::ModuleString longer;
+    longer.appendAll(string.types().first(place), string.parameters().first(place - 2));
+    longer.append(string.types()[string.size() - 1], string.parameters().last(1));
+    longer.appendAll(string.types().subspan(place), string.parameters().subspan(place - 2));
+    derivation::StepChanges changes;
+    changes.keep(0, 0, place);
+    changes.keep(place, place + 1, string.size() - place);
+    string = std::move(longer);
+    passes.takeOver(changes);
+    passes.expectSameAsWhole();
+    ASSERT_FALSE(testing::Test::HasFailure()) << before;
+  }
+}
+
 TEST(QueryStretches, TakeBoundedMemory) {
   for (const std::string& text : {repeated("[", 300) + repeated("]", 300), repeated("?E(1)", 300)}) {
     TwoPasses passes(repeated(text, 20));
