@@ -34,12 +34,13 @@ bool isSame(const std::vector<core::Vec3>& a, const std::vector<core::Vec3>& b) 
 }
 
 // one thread, then two and three: everything that a pass gives, and the string it leaves
-void expectSame(const std::string& text, std::uint64_t maximumQueries = 1'000'000) {
-  TurtleRun one(text);
+void expectSame(const std::string& text, std::uint64_t maximumQueries = 1'000'000,
+                const files::ViewSettings& view = {}) {
+  TurtleRun one(text, view);
   one.limits.maximumQueries = maximumQueries;
   const auto expected = pass(one, 1);
   for (const unsigned threads : {2U, 3U}) {
-    TurtleRun several(text);
+    TurtleRun several(text, view);
     several.limits.maximumQueries = maximumQueries;
     const auto found = pass(several, threads);
     ASSERT_EQ(found.has_value(), expected.has_value());
@@ -101,7 +102,12 @@ TEST(PartedInterpretation, TakesALongStringWithBranchesAndNoOther) {
 TEST(PartedInterpretation, GivesWhatOneThreadGives) {
   expectSame(tree(kDepth, kLeaf));
   // cuts: one of them ends the walk before all branches to the right of it
-  expectSame("F[" + tree(kDepth, kLeaf) + "F[?E(1)%" + tree(3, kLeaf) + "]%" + tree(kDepth - 1, kLeaf) + "]?E(2)");
+  const std::string cut = "F[" + tree(kDepth, kLeaf) + "F[?E(1)%" + tree(3, kLeaf) + "]%" + tree(kDepth - 1, kLeaf) + "]?E(2)";
+  expectSame(cut);
+  files::ViewSettings view;
+  view.interpretsPastCut = false;
+  expectSame(cut, 1'000'000, view);
+  expectSame(cut + tree(kDepth, kLeaf), 1'000'000, view);
 }
 
 TEST(PartedInterpretation, WarnsInTheOrderOfTheString) {
