@@ -148,6 +148,23 @@ TEST_F(Output, VariantsAreRunsOfConsecutiveSeeds) {
   EXPECT_EQ(run("run bush.l --variants 2 --every -o v.svg").status, 2);
 }
 
+TEST_F(Output, WarningsAboutAModelComeOnceForAllVariants) {
+  folder_.write("warns.l",
+                "Lsystem: 1\nderivation length: 2\nAxiom: A(1)\nA(x) --> A(y+1/(x-1)) : 1\nA(x) --> B : 1\nendlsystem\n");
+  const std::string errors = run("run warns.l --variants 4 -o w.string").errors;
+  const auto count = [&errors](const std::string& text) {
+    std::size_t found = 0;
+    for (std::size_t at = errors.find(text); at != std::string::npos; at = errors.find(text, at + 1)) {
+      ++found;
+    }
+    return found;
+  };
+  EXPECT_EQ(count("unknown name 'y'"), 1U) << errors;
+  // what a run itself warns about is of that plant
+  EXPECT_GT(count("division by 0"), 1U) << errors;
+  EXPECT_EQ(count("wrote w-00"), 4U) << errors;
+}
+
 TEST_F(Output, VariantsInRowsAreOneFileAndEqualOnesShareTheirMesh) {
   ASSERT_EQ(run("run tree.l --variants 5 --in-rows 0 -o row.glb -o row.png --size 80x60").status, 0);
   const ProgramRun far = run("run tree.l --variants 5 --in-rows 100 -o far.glb");
