@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "engine/core/buffer.h"
+
 namespace espalier::turtle {
 
 namespace {
@@ -67,10 +69,17 @@ RasterTarget::RasterTarget(int width, int firstRow, int rows)
     : width_(width),
       firstRow_(firstRow),
       rows_(rows),
-      stride_(width * kAcross),
-      nearness_(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows * kAcross),
-                -std::numeric_limits<float>::infinity()),
-      colours_(nearness_.size(), 0) {}
+      stride_(width * kAcross) {
+  const std::size_t samples = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows * kAcross);
+  const auto fill = [samples](auto& list, auto value) {
+    // small pages cost more than the filling
+    list.reserve(samples);
+    core::adviseHugePages(list.data(), samples * sizeof(value));
+    list.assign(samples, value);
+  };
+  fill(nearness_, -std::numeric_limits<float>::infinity());
+  fill(colours_, std::uint32_t{0});
+}
 
 std::array<int, 4> RasterTarget::tilesOf(const RasterTriangle& triangle) const {
   const auto& [a, b, c] = triangle.corners;
