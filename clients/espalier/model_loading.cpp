@@ -24,6 +24,7 @@
 #include "protocol/codec.h"
 #include "server/remote/control_group.h"
 #include "server/remote/limits.h"
+#include "server/remote/models/gallery.h"
 #include "server/remote/models/model_files.h"
 #include "server/remote/remote_settings.h"
 
@@ -286,6 +287,16 @@ core::Compatibility ModelOptions::mode() const {
 
 namespace {
 
+// a name that is nothing in the working folder may be that of a gallery model
+std::string inGalleryUnlessHere(const std::string& name) {
+  std::error_code error;
+  if (std::filesystem::exists(name, error)) {
+    return name;
+  }
+  const auto folder = server::galleryFolderOf(server::galleryOfProgram(), name);
+  return folder ? folder->string() : name;
+}
+
 std::vector<std::string> dialectChoices() {
   const std::vector<std::string_view> names = language::dialectNames();
   return {names.begin(), names.end()};
@@ -297,8 +308,10 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
   CLI::Option* model =
       command.add_option("model", options.model,
                          "An L-system file (.l, or a file of another dialect; FILE:ENTRY for one of several "
-                         "models in it),\na model folder, a forest (.json), or a root system (.rsml, or a .tsv table)");
+                         "models in it),\na model folder, a forest (.json), a root system (.rsml, or a .tsv table), or the name of "
+                         "a\nmodel of the gallery that came with the program");
   model->type_name("MODEL");
+  model->transform(inGalleryUnlessHere);
   model->required(isModelRequired);
   command.add_option("--dialect", options.dialect, "Dialect of the model (default: recognised by its content)")
       ->check(CLI::IsMember(dialectChoices()));

@@ -6,6 +6,7 @@
 #include <regex>
 
 #include "tests/clients/program_run.h"
+#include "tests/support/places.h"
 
 namespace espalier::test {
 namespace {
@@ -53,6 +54,15 @@ TEST_F(Cli, FilesBesideTheModelAreUsedUnlessOptionsSayOtherwise) {
   EXPECT_EQ(run("derive up.l").output, "FF?E(2)\n");
   EXPECT_EQ(run("derive up.l --environment constant").output, "FFFA?E(1)\n");
   EXPECT_EQ(run("derive .").output, "FF?E(2)\n");
+}
+
+TEST_F(Cli, ANameThatIsNothingHereIsThatOfAGalleryModel) {
+  EXPECT_EQ(run("derive classic-dragon --steps 1").output, run("derive '" + sourceFolder() + "/clients/gallery/classic-dragon' --steps 1").output);
+  folder_.write("classic-dragon", kAlgae);
+  EXPECT_EQ(run("derive classic-dragon").output, "ABAAB\n");
+  const ProgramRun unknown = run("derive classic-dragoon");
+  EXPECT_EQ(unknown.status, 1);
+  EXPECT_TRUE(contains(unknown.errors, "there is no file 'classic-dragoon'")) << unknown.errors;
 }
 
 TEST_F(Cli, ModelsWriteIntoTheirFolderAndNowhereElse) {
