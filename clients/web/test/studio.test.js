@@ -304,7 +304,7 @@ test("no letter is lost while somebody types and the plant grows again and again
   await shown(page);
   await page.click(".cm-content");
   await page.keyboard.press("Control+Home");
-  const words = Array.from({ length: 12 }, (_, i) => `// line ${i} with some words`);
+  const words = Array.from({ length: 8 }, (_, i) => `// line ${i} with some words`);
   for (const line of words) {
     await page.keyboard.type(line);
     await page.keyboard.press("Enter");

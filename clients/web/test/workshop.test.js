@@ -82,7 +82,9 @@ test("a control point of a surface is dragged: its line of the file changes, and
 });
 
 test("a field of the environment is shown as a slice and as a surface, and follows the plant", async () => {
+  // from a plant whose environment has no fields, which the page has learnt
   const page = await open(`${running.address}/#gallery=branch-tiers`);
+  await page.evaluate(() => studio.fields.refresh());
   await page.evaluate(() => studio.openDocument({
     title: "watered", main: "model.l", binary: {}, gallery: null,
     files: { "model.l": "Lsystem: 1\nderivation length: 3\nAxiom: F(1)A?E(0)\nA > ?E(h) --> F(0.5)A\nendlsystem\n" },

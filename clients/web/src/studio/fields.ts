@@ -1,6 +1,7 @@
 // What the environment holds in space: the names of its fields, and the values of the one that is shown.
 import { readVti } from "../view/fields.js";
 import type { FieldLook } from "../view/fields.js";
+import type { Simulation } from "espalier";
 import type { Studio } from "./studio.js";
 
 interface Entry {
@@ -14,7 +15,7 @@ export class Fields {
   shown = ""; // name; empty: none
   look: FieldLook = { axis: 0, place: 0.5, level: null };
 
-  private simulation = ""; // whose entries these are
+  private simulation: Simulation | null = null; // whose entries these are: another model may come under the same identifier
   private isReading = false;
   private isNewer = false;
 
@@ -46,16 +47,22 @@ export class Fields {
     }
   }
 
+  /** The simulation may have another model by now. */
+  forget(): void {
+    this.simulation = null;
+  }
+
   private async read(): Promise<void> {
     const { studio } = this;
-    const id = studio.simulation?.id ?? "";
+    const { simulation } = studio;
+    const id = simulation?.id ?? "";
     const hasEnvironment = studio.statistics.some(({ queries }) => queries > 0) || (studio.document.environment?.length ?? 0) > 0;
     if (!id || !hasEnvironment) {
       this.entries = [];
-    } else if (this.simulation !== id) {
-      this.simulation = id;
+    } else if (this.simulation !== simulation) {
       const list = await studio.fetchFile(`/simulations/${id}/fields`);
       this.entries = (JSON.parse(await list.text()) as { fields: Entry[] }).fields;
+      this.simulation = simulation;
     }
     const { entry } = this;
     if (!entry) {
@@ -63,7 +70,7 @@ export class Fields {
     } else {
       const file = await studio.fetchFile(`/simulations/${id}/fields/${encodeURIComponent(entry.name)}.vti`);
       const field = readVti(entry.name, entry.unit, await file.text());
-      if (studio.simulation?.id === id && this.shown === entry.name) {
+      if (studio.simulation === simulation && this.shown === entry.name) {
         studio.view?.showField(field, this.look);
       }
     }

@@ -84,6 +84,8 @@ export class Watched {
         }
         studio.length = Math.max(derivationLength, studio.step);
         await studio.takePalette(simulation);
+        studio.fields.forget();
+        await studio.fields.refresh();
         if (studio.document.title !== document.title) {
           studio.view?.forgetFit(directionToViewer(studio.document));
         }
