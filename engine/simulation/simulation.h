@@ -154,7 +154,8 @@ class Simulation {
   [[nodiscard]] derivation::DerivationOptions derivationOptions(std::size_t plant = 0) const;
   [[nodiscard]] std::string stringText(std::size_t plant = 0) const;
   [[nodiscard]] const StepStatistics& statistics() const;
-  /// Of memory that a step keeps for the next one, beside strings and environment: at most 32 for each module.
+  /// Of memory that a step keeps for the next one, beside strings and environment: at most 32 for each module, and 4 MB
+  /// for the counts of productions unless a step applies more than 65,536 of them.
   [[nodiscard]] std::uint64_t keptBytes() const;
   /// The Program of a plant; of a simulation without plants the first.
   [[nodiscard]] const language::Program& program(std::size_t plant = 0) const;
@@ -184,7 +185,7 @@ class Simulation {
   void followChanges(bool isWanted);
   /// Whether the steps from now on count how often they apply each production. They take no shortcuts then, and derive
   /// a long string several times as slowly, with the same result. After rewind() and restore() the counts are those
-  /// that the run had at the step, of the last 1000, or begin anew.
+  /// that the run had at the step, of the last 1000 or fewer, or begin anew.
   void countProductions(bool isWanted);
   /// At the present step. Null: not counted. Other threads may read it, as long as the Programs live.
   [[nodiscard]] std::shared_ptr<const ProductionUses> productionUses() const;

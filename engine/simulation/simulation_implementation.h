@@ -59,7 +59,7 @@ class Simulation::Implementation {
   [[nodiscard]] const StepTransaction& transaction() const { return transaction_; }
   [[nodiscard]] const EnvironmentLink& environment() const { return environment_; }
   [[nodiscard]] const StepStatistics& statistics() const { return statistics_; }
-  [[nodiscard]] std::uint64_t keptBytes() const { return answerPass_.bytes(); }
+  [[nodiscard]] std::uint64_t keptBytes() const { return answerPass_.bytes() + productions_.bytes(); }
   [[nodiscard]] std::uint64_t completedSteps() const { return completedSteps_; }
 
  private:

@@ -7,6 +7,10 @@ namespace {
 
 // more steps than a person goes back to
 constexpr std::size_t kMostSteps = 1000;
+// productions in all of these steps: a model may have many
+constexpr std::uint64_t kMostUses = 65536;
+// of a production in one step, about
+constexpr std::uint64_t kUseBytes = 64;
 
 }  // namespace
 
@@ -19,6 +23,7 @@ void ProductionLog::beginAt(std::uint64_t step) {
   auto none = std::make_shared<ProductionUses>();
   none->since = step;
   none->step = step;
+  useCount_ = 0;
   steps_.assign(1, none);
   present_ = std::move(none);
 }
@@ -37,13 +42,20 @@ void ProductionLog::complete(std::uint64_t step) {
     }
   }
   while (!steps_.empty() && steps_.back()->step >= step) {
+    useCount_ -= steps_.back()->uses.size();
     steps_.pop_back();
   }
-  if (steps_.size() == kMostSteps) {
+  useCount_ += next->uses.size();
+  while (!steps_.empty() && (steps_.size() == kMostSteps || useCount_ > kMostUses)) {
+    useCount_ -= steps_.front()->uses.size();
     steps_.pop_front();
   }
   steps_.push_back(next);
   present_ = std::move(next);
+}
+
+std::uint64_t ProductionLog::bytes() const {
+  return useCount_ * kUseBytes;
 }
 
 void ProductionLog::goTo(std::uint64_t step) {

@@ -28,6 +28,8 @@ class ProductionLog {
   /// the step.
   void goTo(std::uint64_t step);
 
+  /// Of memory, about.
+  [[nodiscard]] std::uint64_t bytes() const;
   /// At the step where the run is. Null: not followed.
   [[nodiscard]] std::shared_ptr<const ProductionUses> uses() const { return isFollowed_ ? present_ : nullptr; }
 
@@ -37,6 +39,7 @@ class ProductionLog {
   bool isFollowed_ = false;
   std::vector<derivation::ProductionCounts> counts_;         // of the step under way, by plant
   std::deque<std::shared_ptr<const ProductionUses>> steps_;  // of steps in a row
+  std::uint64_t useCount_ = 0;                               // entries of all of them
   std::shared_ptr<const ProductionUses> present_;
 };
 

@@ -118,5 +118,27 @@ TEST(ProductionLog, KnowsTheLastThousandSteps) {
   EXPECT_EQ(countsOf(run.simulation), "400-400: 0/0");
 }
 
+TEST(ProductionLog, TakesBoundedMemory) {
+  std::string text = "Lsystem: 1\nderivation length: 5\nAxiom: ";
+  std::string productions;
+  for (int i = 0; i < 2000; ++i) {
+    const std::string number = std::to_string(i);
+    text += "A(" + number + ")";
+    productions += "A(x) : x==" + number + " --> A(x)\n";
+  }
+  TestRun run(compileText(text + "\n" + productions + "endlsystem\n"));
+  expectSuccess(run.simulation.rewind());
+  const std::uint64_t before = run.simulation.keptBytes();
+  run.simulation.countProductions(true);
+  for (int step = 1; step <= 100; ++step) {
+    expectSuccess(run.simulation.step());
+    ASSERT_LE(run.simulation.keptBytes(), before + 5'000'000) << step;
+  }
+  EXPECT_GT(run.simulation.keptBytes(), before + 1'000'000);
+  const auto uses = run.simulation.productionUses();
+  ASSERT_EQ(uses->uses.size(), 2000U);
+  EXPECT_EQ(uses->uses.begin()->second.total, 100U);
+}
+
 }  // namespace
 }  // namespace espalier::simulation
