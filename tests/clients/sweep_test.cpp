@@ -210,6 +210,19 @@ TEST(RunTable, AGridHasEveryCombinationAndTheLastParameterChangesFastest) {
   EXPECT_EQ(table->values, (std::vector<double>{0, 1, 0, 2, 1, 1, 1, 2, 2, 1, 2, 2}));
 }
 
+TEST(RunTable, AGridTooLargeIsRefusedBeforeItIsMade) {
+  // 2^40 points of 40 switches
+  std::string parameters;
+  for (int i = 0; i < 40; ++i) {
+    parameters += (i == 0 ? "\"P" : ",\"P") + std::to_string(i) + "\":{\"integer\":[0,1]}";
+  }
+  const Result<RunTable> table = runsOf(
+      R"({"model":"a","parameters":{)" + parameters + R"(},"runs":{"design":"grid","levels":2},)" + kMeasures + "}",
+      "");
+  ASSERT_FALSE(table);
+  EXPECT_EQ(table.error(), "the grid has more than 25000000 points: give fewer levels, or a latin-hypercube");
+}
+
 TEST(RunTable, SlicesHaveEveryRunOnce) {
   std::vector<int> seen(21);
   for (const char* const text : {"1/3", "2/3", "3/3"}) {

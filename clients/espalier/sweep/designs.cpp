@@ -88,7 +88,7 @@ Result<DesignPoints> gridValues(const Design& design, const std::vector<SweepPar
     if (distribution.kind == Kind::Discrete) {
       axis = distribution.values;
     } else if (distribution.kind == Kind::Integer) {
-      count *= distribution.second - distribution.first;
+      count *= distribution.second - distribution.first + 1.0;
       for (double value = distribution.first; value <= distribution.second && count < 1e9; ++value) {
         axis.push_back(value);
       }
