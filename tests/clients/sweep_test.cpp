@@ -72,6 +72,7 @@ TEST(Distribution, HasTheQuantilesOfItsKind) {
   const Distribution normal{.kind = Kind::Normal, .first = 0.0, .second = 1.0};
   EXPECT_NEAR(normal.quantile(0.975), 1.959963984540054, 1e-15);
   EXPECT_NEAR(normal.quantile(1e-10), -6.361340902404056, 1e-14);
+  EXPECT_NEAR(normal.quantile(1e-20), -9.262340089798408, 1e-14);
   EXPECT_NEAR(normal.quantile(0.4), -0.2533471031357997, 1e-15);
   const Distribution log{.kind = Kind::Log, .first = 0.01, .second = 100.0};
   EXPECT_NEAR(log.quantile(0.5), 1.0, 1e-12);
@@ -210,6 +211,22 @@ TEST(RunTable, AGridHasEveryCombinationAndTheLastParameterChangesFastest) {
   EXPECT_EQ(table->values, (std::vector<double>{0, 1, 0, 2, 1, 1, 1, 2, 2, 1, 2, 2}));
 }
 
+TEST(RunTable, LevelsOfANormalDistributionAreTheMiddlesOfEqualParts) {
+  const std::string begin = R"({"model":"a","parameters":{"R":{"normal":[10,2]}},"runs":{"design":)";
+  const Distribution normal{.kind = Distribution::Kind::Normal, .first = 10.0, .second = 2.0};
+  std::set<double> levels;
+  for (const double probability : {0.125, 0.375, 0.625, 0.875}) {
+    levels.insert(normal.quantile(probability));
+  }
+  // the first and the last level of other distributions are their ends, which are infinite here
+  const Result<RunTable> grid = runsOf(begin + R"("grid","levels":4},)" + kMeasures + "}", "");
+  ASSERT_TRUE(grid) << grid.error();
+  EXPECT_EQ(grid->values, std::vector<double>(levels.begin(), levels.end()));
+  const Result<RunTable> morris = runsOf(begin + R"("morris","trajectories":40,"levels":4},)" + kMeasures + "}", "");
+  ASSERT_TRUE(morris) << morris.error();
+  EXPECT_EQ(std::set<double>(morris->values.begin(), morris->values.end()), levels);
+}
+
 TEST(RunTable, AGridTooLargeIsRefusedBeforeItIsMade) {
   // 2^40 points of 40 switches
   std::string parameters;
@@ -281,6 +298,7 @@ TEST(TreeMeasures, CountsAxesByOrderAsAnMtgHasThem) {
   // C and D make B 2; F and G make E 2; B and E make A 3
   EXPECT_EQ(value("strahler"), 3.0);
   EXPECT_TRUE(std::isnan(value("verticesPerAxis", 9)));
+  EXPECT_TRUE(std::isnan(value("maximumOrder", 9)));
 }
 
 turtle::Scene stemWithALeaf() {
@@ -316,11 +334,32 @@ TEST(ShapeMeasures, OfACylinderAndARectangle) {
   EXPECT_NEAR(value("silhouetteFront"), 1.0 + 3.14159265358979 * 0.0625, 0.05);
 }
 
+TEST(ShapeMeasures, ASilhouetteIsSeenAlongItsAxis) {
+  // upright rectangles of 2 across x and 3 across z
+  turtle::Scene scene;
+  turtle::Polygon leaf;
+  leaf.vertices = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
+  scene.polygons.push_back(leaf);
+  leaf.vertices = {{0, 0, 0}, {0, 0, 3}, {0, 1, 3}, {0, 1, 0}};
+  scene.polygons.push_back(leaf);
+  ShapeMeasures shape(std::move(scene), {});
+  const auto value = [&](const char* name) {
+    const auto& names = shapeMeasureNames();
+    return shape.value(static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()));
+  };
+  EXPECT_NEAR(value("silhouetteFront"), 2.0, 0.05);
+  EXPECT_NEAR(value("silhouetteSide"), 3.0, 0.05);
+  EXPECT_NEAR(value("silhouetteTop"), 0.0, 0.05);
+}
+
 TEST(ShapeMeasures, AProfileDividesLinesAmongItsBins) {
   const ShapeMeasures shape(stemWithALeaf(), {});
   EXPECT_EQ(shape.profile(0, false, 4, 4.0), (std::vector<double>{1.0, 1.0, 0.0, 0.0}));
   const std::vector<double> leaf = shape.profile(3, false, 4, 4.0);
   EXPECT_EQ(leaf, (std::vector<double>{0.0, 0.0, 6.0, 0.0}));
+  // by the distance from the axis: the stem is on it; the middles of the two triangles are at (2, 2/3) and (1, 4/3)
+  EXPECT_EQ(shape.profile(0, true, 4, 4.0), (std::vector<double>{2.0, 0.0, 0.0, 0.0}));
+  EXPECT_EQ(shape.profile(3, true, 4, 4.0), (std::vector<double>{0.0, 3.0, 3.0, 0.0}));
 }
 
 TEST(SlurmJob, SplitsAnArrayAtTheLimitOfTheCluster) {
