@@ -99,6 +99,17 @@ TEST(PlantMeasures, SkyIsTheMeanOfFiveSides) {
   EXPECT_NEAR(skyOf({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}), 2.0 * std::sqrt(0.5) / 5.0, 0.02);
 }
 
+TEST(PlantMeasures, AThickStemTakesNoMoreOfTheSkyThanATwig) {
+  const auto stem = [](double width) {
+    turtle::Segment segment = line({0, 0, 0}, {0, 2, 0});
+    segment.startWidth = segment.endWidth = width;
+    return measured({segment});
+  };
+  // lines count as green up to 1/128 of the extent
+  EXPECT_DOUBLE_EQ(stem(1.0).sky, stem(2.0 / 128.0).sky);
+  EXPECT_GT(stem(1.0).light, 4.0 * stem(0.1).light);
+}
+
 TEST(FitnessFormula, TheUsualOneDoesNotGrowWithThePlant) {
   FitnessFormula formula;
   ASSERT_EQ(FitnessFormula::read(kUsualFitness, formula), std::nullopt);
@@ -189,6 +200,54 @@ TEST(Genome, StaysInItsRangesAndBalanced) {
   }
 }
 
+// children of BLX-0.5 are uniform in the interval of their parents, half of it wider on both sides (Eshelman & Schaffer
+// 1993)
+TEST(Genome, AChildLiesInTheWidenedIntervalOfItsParents) {
+  GenomeShape shape;
+  shape.genes = {{"A", -100.0, 100.0}};
+  const Genome first{.values = {3.0}, .successors = {}};
+  const Genome second{.values = {1.0}, .successors = {}};
+  constexpr std::uint64_t kChildren = 4000;
+  double sum = 0.0;
+  double least = 100.0;
+  double most = -100.0;
+  for (std::uint64_t i = 0; i < kChildren; ++i) {
+    GenomeRandom random(5, 1, i);
+    const double value = crossed(shape, first, second, random).values.front();
+    sum += value;
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  EXPECT_GE(least, 0.0);
+  EXPECT_LT(least, 0.02);
+  EXPECT_LE(most, 4.0);
+  EXPECT_GT(most, 3.98);
+  // uniform in 0 to 4: the mean of 4000 has the standard deviation 0.018; four of them
+  EXPECT_NEAR(sum / kChildren, 2.0, 0.073);
+}
+
+TEST(Genome, AsManyNumbersChangeAsTheProbabilitySaysByATenthOfTheirRange) {
+  GenomeShape shape;
+  Genome genome;
+  constexpr std::size_t kGenes = 4000;
+  for (std::size_t i = 0; i < kGenes; ++i) {
+    shape.genes.push_back({"A" + std::to_string(i), -50.0, 50.0});
+    genome.values.push_back(0.0);
+  }
+  GenomeRandom random(5, 1, 0);
+  mutate(shape, genome, 0.15, random);
+  double changed = 0.0;
+  double squares = 0.0;
+  for (const double value : genome.values) {
+    changed += value != 0.0 ? 1.0 : 0.0;
+    squares += value * value;
+  }
+  // 4000 draws of probability 0.15: 600, standard deviation 22.6; four of them
+  EXPECT_NEAR(changed, 600.0, 91.0);
+  // the range is 100 and its tenth 10; the deviation of 600 steps has the standard deviation 0.29
+  EXPECT_NEAR(std::sqrt(squares / changed), 10.0, 1.2);
+}
+
 TEST(Evolution, BeginsWithTheModelItself) {
   const EvolutionSettings settings = settingsOf(true);
   EXPECT_EQ(firstGeneration(settings).individuals.front().genome.successors, settings.successors);
@@ -210,6 +269,39 @@ TEST(Evolution, KeepsTheFittestAndImproves) {
     EXPECT_GT(best, variesProductions ? 14.0 : 19.9);
     EXPECT_GT(best, first);
   }
+}
+
+TEST(Evolution, ParentsAreTheFittestOfTheirTournaments) {
+  EvolutionSettings settings = settingsOf(false);
+  settings.eliteCount = 0;
+  settings.mutationProbability = 0.0;
+  settings.crossoverProbability = 0.0;
+  // everybody is in each tournament, but for a chance of (11/12)^400
+  settings.tournamentSize = 400;
+  const Generation generation = judged(firstGeneration(settings));
+  const Genome& best = generation.individuals[fittest(generation)].genome;
+  for (const Individual& child : nextGeneration(settings, generation).individuals) {
+    EXPECT_EQ(child.genome, best);
+  }
+}
+
+TEST(Evolution, AChildIsACopyUnlessItsParentsCross) {
+  EvolutionSettings settings = settingsOf(false);
+  settings.eliteCount = 0;
+  settings.mutationProbability = 0.0;
+  settings.tournamentSize = 1;
+  const Generation generation = judged(firstGeneration(settings));
+  const auto copies = [&](double crossoverProbability) {
+    settings.crossoverProbability = crossoverProbability;
+    const Generation next = nextGeneration(settings, generation);
+    return std::count_if(next.individuals.begin(), next.individuals.end(), [&](const Individual& child) {
+      return std::any_of(generation.individuals.begin(), generation.individuals.end(),
+                         [&](const Individual& parent) { return parent.genome == child.genome; });
+    });
+  };
+  EXPECT_EQ(copies(0.0), 12);
+  // only of a parent that crosses with itself, in one case of twelve
+  EXPECT_LT(copies(1.0), 6);
 }
 
 TEST(Evolution, WhatFailedToGrowIsBelowEverything) {
