@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <string>
 #include <utility>
@@ -107,6 +109,12 @@ TEST(TreePainting, ABranchWithoutATurnIsNotDrawnInsideItsTrunk) {
   ASSERT_EQ(scene.segments.size(), 2U);
   EXPECT_EQ(scene.segments[0].end, (core::Vec3{0, 3, 0}));
   EXPECT_EQ(scene.segments[1].end, (core::Vec3{1, 1, 0}));
+  // one that goes beyond the line of its trunk is drawn
+  add({1, 1, 0}, {3, 3, 0}, 2, 2);
+  add({0, 0, 0}, {2, 2, 0}, 3, 1);
+  const turtle::Scene beyond = paintTree(tree, 1, 0);
+  ASSERT_EQ(beyond.segments.size(), 4U);
+  EXPECT_EQ(beyond.segments[3].end, (core::Vec3{2, 2, 0}));
 }
 
 TEST(TreePainting, SomeLeavesAreFlowersOfOneGroup) {
@@ -221,6 +229,43 @@ TEST(ForestLayout, JitterHidesTheRows) {
   // a disc of 600 points is about 28 columns wide
   EXPECT_LT(columns(Spacing::Grid), 32U);
   EXPECT_EQ(columns(Spacing::Jittered), 400U);
+}
+
+TEST(ForestLayout, JitterGoesToAllSides) {
+  // the middle of the grid is at a point or between two
+  double middle = 0.0;
+  for (const TreePlace& place : layoutForest(Spacing::Grid, 400, 1.0, 3)) {
+    middle = std::abs(place.position.x - std::round(place.position.x));
+  }
+  double sumX = 0.0;
+  double sumZ = 0.0;
+  for (const TreePlace& place : layoutForest(Spacing::Jittered, 400, 1.0, 3)) {
+    const auto offset = [middle](double coordinate) { return coordinate - middle - std::round(coordinate - middle); };
+    const double x = offset(place.position.x);
+    const double z = offset(place.position.z);
+    EXPECT_LE(std::max(std::abs(x), std::abs(z)), 0.4);
+    sumX += x;
+    sumZ += z;
+  }
+  // uniform in -0.4 to 0.4: the mean of 400 has the standard deviation 0.0115; four of them
+  EXPECT_NEAR(sumX / 400.0, 0.0, 0.046);
+  EXPECT_NEAR(sumZ / 400.0, 0.0, 0.046);
+}
+
+TEST(ForestLayout, TreesAreTurnedToAllSides) {
+  for (const Spacing spacing : {Spacing::Grid, Spacing::Jittered, Spacing::Poisson, Spacing::Competition}) {
+    std::array<int, 4> quarters{};
+    for (const TreePlace& place : layoutForest(spacing, 400, 1.0, 3)) {
+      const double quarter = place.turnRadians / (0.5 * std::numbers::pi);
+      ASSERT_GE(quarter, 0.0);
+      ASSERT_LT(quarter, 4.0);
+      ++quarters[static_cast<std::size_t>(quarter)];
+    }
+    for (const int count : quarters) {
+      // 400 draws of probability 1/4: 100, standard deviation 8.7; four of them
+      EXPECT_NEAR(count, 100, 35) << static_cast<int>(spacing);
+    }
+  }
 }
 
 TEST(ForestLayout, AForestIsADisc) {
