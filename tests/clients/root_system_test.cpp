@@ -64,6 +64,19 @@ TEST(RootSystem, ADichotomousTreeHasThePathLengthOfItsForm) {
   EXPECT_EQ(traits.pathLength, 32U);
 }
 
+TEST(RootSystem, LateralsOfOnePointLeaveAtItsBranchingsOneAfterTheOther) {
+  // two laterals at the first point of an axis are two branchings: the first has one link from there, the second two,
+  // and the axis passes both
+  const auto roots = readRootTable(
+      "node\tparent\tx\ty\tz\torder\n0\t-1\t0\t0\t0\t1\n1\t0\t0\t0\t-1\t1\n2\t1\t0\t0\t-2\t1\n"
+      "3\t1\t1\t0\t-1\t2\n4\t1\t-1\t0\t-1\t2\n");
+  ASSERT_TRUE(roots) << roots.error();
+  const RootTraits traits = traitsOf(*roots, 2);
+  EXPECT_EQ(traits.magnitude, 3U);
+  EXPECT_EQ(traits.altitude, 3U);
+  EXPECT_EQ(traits.pathLength, 2U + 3U + 3U);
+}
+
 TEST(RootSystem, TheStringDrawsTheRoots) {
   EXPECT_EQ(stringOf(*readRootTable("node\tparent\tx\ty\tz\tradius\torder\temergence\n0\t-1\t1\t2\t3\t0.1\t1\t0\n"
                                     "1\t0\t1\t2\t1\t0.1\t1\t4\n2\t1\t1\t2\t0\t0.1\t1\t5\n3\t1\t2\t2\t1\t0.05\t2\t6\n")),
@@ -107,6 +120,14 @@ TEST(RootSystem, DaysOfEmergenceAreStepsOfAnAnimation) {
   const std::string model = modelOf(*roots);
   EXPECT_EQ(model.substr(0, model.find("\nW(t")),
             "Lsystem: 1\nderivation length: 5\nAxiom: [@M(0,0,0)W(2,0,0,-1,0.2,1,0,1)W(5,0,0,-1,0.2,1,0.5,1)V(5,0,1)]");
+  // a segment whose day is before that of the segment it grows from waits for it
+  const auto early = readRootTable(
+      "node\tparent\tx\ty\tz\tradius\torder\temergence\n0\t-1\t0\t0\t0\t0.1\t1\t0\n1\t0\t0\t0\t-1\t0.1\t1\t3\n"
+      "2\t1\t0\t0\t-2\t0.1\t1\t1\n");
+  ASSERT_TRUE(early) << early.error();
+  const std::string waiting = modelOf(*early);
+  EXPECT_EQ(waiting.substr(0, waiting.find("\nW(t")),
+            "Lsystem: 1\nderivation length: 3\nAxiom: [@M(0,0,0)W(3,0,0,-1,0.2,1,0,1)W(3,0,0,-1,0.2,1,2,1)]");
   // a day below 0 makes the first day the beginning
   const auto earlier = readRootTable(
       "node\tparent\tx\ty\tz\tradius\torder\temergence\n0\t-1\t0\t0\t0\t0.1\t1\t-2\n1\t0\t0\t0\t-1\t0.1\t1\t-2\n"

@@ -32,6 +32,21 @@ TEST(ShootTraits, MeasureLeavesOfKnownShape) {
   EXPECT_DOUBLE_EQ(shootTraitsOf(*canopy.geometry(), 1, 12.0).leafAreaIndex, area / 12);
 }
 
+TEST(ShootTraits, BallsAndCylindersAreNoLeaves) {
+  environment::Canopy canopy;
+  canopy.rectangle({0, 2, 0}, {0, 0, 1}, {4, 0, 0});
+  canopy.rectangle({0, 9, 0}, {0, 0, 5}, {5, 0, 0});
+  turtle::Geometry geometry = *canopy.geometry();
+  for (const turtle::GeometryKind kind : {turtle::GeometryKind::Ball, turtle::GeometryKind::Cylinder}) {
+    geometry.kind[1] = kind;
+    const ShootTraits traits = shootTraitsOf(geometry, 1, 0.0);
+    EXPECT_EQ(traits.leafCount, 1U);
+    EXPECT_DOUBLE_EQ(traits.leafArea, 4.0);
+    EXPECT_EQ(traits.top, 0.0) << "above the lowest point of all, which is the leaf";
+    EXPECT_DOUBLE_EQ(traits.crownArea, 4.0);
+  }
+}
+
 TEST(ShootTraits, OfRandomLeavesFollowTheSphericalDistribution) {
   // of normals without a preferred direction the part with an angle up to θ is 1 − cos θ, and the mean is 1 rad
   environment::Canopy canopy;
