@@ -8,8 +8,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "clients/espalier/rendering/path_tracer.h"
 #include "clients/espalier/rendering/render.h"
 #include "clients/espalier/rendering/render_light.h"
+#include "clients/espalier/rendering/render_scene.h"
 #include "engine/core/vec3.h"
 #include "engine/files/view_settings.h"
 #include "engine/turtle/export/exporters.h"
@@ -173,6 +175,77 @@ TEST(RenderLight, OfSunAndSkyOnLevelGroundIsOne) {
       EXPECT_NEAR(part, 1.0, 0.005) << height;
     }
   }
+}
+
+TEST(RenderLight, ALowSunIsRaisedToFiveDegrees) {
+  const Vec3 sun = Daylight(core::normalised({3, -0.5, 4})).towardSun(0.0, 0.0);
+  EXPECT_NEAR(core::length(sun), 1.0, 1e-12);
+  EXPECT_NEAR(std::asin(sun.y) * 180.0 / 3.14159265358979, 5.0, 0.01);
+  EXPECT_NEAR(sun.x / sun.z, 0.75, 1e-12);
+  EXPECT_GT(sun.x, 0.0);
+  // one straight below has no side to be raised on
+  EXPECT_EQ(Daylight({0, -1, 0}).towardSun(0.0, 0.0), (Vec3{0, 1, 0}));
+}
+
+// a level square of side 2 at a height, in the third colour
+turtle::Scene leafAt(double height) {
+  turtle::Scene scene;
+  turtle::Polygon leaf;
+  leaf.vertices = {{-1, height, -1}, {-1, height, 1}, {1, height, 1}, {1, height, -1}};
+  leaf.colour = 3;
+  scene.polygons.push_back(leaf);
+  return scene;
+}
+
+TEST(PathTracer, AGroundInTheShadeOfALeafHasTheLightOfTheSky) {
+  const turtle::Scene scene = leafAt(10.0);
+  const files::ViewSettings view;
+  const turtle::ExportInput input{.scene = scene, .view = view};
+  const turtle::ScenePlacement here;
+  const RenderScene leaf({{&input, 1}, {&here, 1}});
+  const Daylight above({0, 1, 0});
+  const PathTracer tracer(leaf, above, 0.0);
+  const auto shadeAt = [&](double x) {
+    double sum = 0.0;
+    constexpr std::uint32_t kSamples = 1024;
+    for (std::uint32_t sample = 0; sample < kSamples; ++sample) {
+      SampleNumbers numbers(1, sample);
+      sum += tracer.look({x + 5.0, 1, 0}, core::normalised({-5, -1, 0}), numbers).shade;
+    }
+    return sum / kSamples;
+  };
+  const auto& [red, green, blue] = above.sunOnGround();
+  const double ofSky = 1.0 - (0.2126 * red + 0.7152 * green + 0.0722 * blue);
+  // the leaf hides the sun, and of the sky about its area by pi times the squared distance, 0.0127; a plant throws
+  // back 0.15 of that
+  EXPECT_NEAR(shadeAt(0.0), ofSky * (1.0 - 0.85 * 0.0127), 0.005);
+  EXPECT_NEAR(shadeAt(40.0), 1.0, 0.005);
+}
+
+TEST(RenderScene, ATranslucentLeafLetsTheRestOfTheLightThrough) {
+  turtle::Scene scene = leafAt(1.0);
+  scene.polygons.push_back(leafAt(2.0).polygons.front());
+  files::Palette palette;
+  palette.usesMaterials = true;
+  palette.materials[palette.base].fill({.opacity = 0.25});
+  const files::ViewSettings view;
+  const turtle::ExportInput input{.scene = scene, .view = view, .palette = &palette};
+  const turtle::ScenePlacement here;
+  const RenderScene leaves({{&input, 1}, {&here, 1}});
+  // from below both, from between them, from beside them
+  EXPECT_NEAR(leaves.arriving({0.2, 0, 0.3}, {0, 1, 0}), 0.75 * 0.75, 1e-12);
+  EXPECT_NEAR(leaves.arriving({0.2, 1.5, 0.3}, {0, 1, 0}), 0.75, 1e-12);
+  EXPECT_EQ(leaves.arriving({2, 0, 0}, {0, 1, 0}), 1.0);
+  // a viewer sees one of them where a ray does not pass both
+  const Daylight above({0, 1, 0});
+  const PathTracer tracer(leaves, above, std::nullopt);
+  int plants = 0;
+  for (std::uint32_t sample = 0; sample < 2000; ++sample) {
+    SampleNumbers numbers(1, sample);
+    plants += tracer.look({0.2, 5, 0.3}, {0, -1, 0}, numbers).isPlant ? 1 : 0;
+  }
+  // 2000 draws of probability 7/16: 875, standard deviation 22; four of them
+  EXPECT_NEAR(plants, 875, 89);
 }
 
 TEST(Render, RefusesAPlaceThatIsNoNumberThatFilesHold) {
