@@ -6,6 +6,7 @@
 #include <string>
 
 #include "clients/espalier/conformance/program_run.h"
+#include "clients/espalier/conformance/string_comparison.h"
 #include "tests/clients/program_run.h"
 #include "tests/support/places.h"
 
@@ -134,6 +135,23 @@ TEST_F(ConformanceCommand, ComparesAnswersAndLogWhenAsked) {
   EXPECT_EQ(runOther(derived, "--answered 'cat expected.txt #'").status, 1);
   EXPECT_EQ(runOther("LOG=hello " + derived, "--log").status, 0);
   EXPECT_TRUE(contains(runOther("LOG=goodbye " + derived, "--log").output, "log: expected\nhello\nactual\ngoodbye\n"));
+}
+
+TEST_F(ConformanceCommand, LinesOfAnotherProgramMayEndWithACarriageReturn) {
+  folder_.write("other.sh", "printf '0\\tA(1)\\r\\n1\\tA(1)B\\r\\n2\\tA(1)BB\\r\\n'");
+  EXPECT_EQ(runOther("sh ./other.sh").output, "passed 001-one\n1 passed, 0 failed\n");
+}
+
+TEST(StringComparison, ARelativeToleranceIsAShareOfTheLargerNumber) {
+  const auto differ = [](const char* expected, const char* actual) {
+    conformance::Deviation largest;
+    return conformance::firstDifference(expected, actual, {.relative = 0.5, .absolute = 0.0}, largest).has_value();
+  };
+  EXPECT_FALSE(differ("A(1)", "A(1.9)"));
+  EXPECT_FALSE(differ("A(1.9)", "A(1)"));
+  EXPECT_FALSE(differ("A(-1)", "A(-1.9)"));
+  EXPECT_TRUE(differ("A(1)", "A(2.1)"));
+  EXPECT_TRUE(differ("A(2.1)", "A(1)"));
 }
 
 TEST(ConformanceProgram, WordsOfTheShellAreQuoted) {
