@@ -191,6 +191,17 @@ TEST_F(Cli, CheckSaysThatAModelIsRight) {
   EXPECT_EQ(result.status, 0);
 }
 
+TEST_F(Cli, CheckStartsAndConnectsToNoOtherProcess) {
+  folder_.write("height.l", kHeight);
+  for (const char* environment : {"tcp://127.0.0.1:9", "stdio:touch started"}) {
+    const ProgramRun result = run(std::string("check height.l --environment '") + environment + "'");
+    EXPECT_EQ(result.output, "height.l: no errors\n");
+    EXPECT_EQ(result.errors, "");
+    EXPECT_EQ(result.status, 0);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/started"));
+}
+
 TEST_F(Cli, MissingFilesSayWhatToDo) {
   folder_.write("algae.l", kAlgae);
   folder_.write("many/a.l", kAlgae);

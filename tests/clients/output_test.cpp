@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
@@ -189,6 +190,33 @@ TEST_F(Output, VariantsInRowsAreOneFileAndEqualOnesShareTheirMesh) {
       "error: 'bush.svg' cannot hold several plants side by side: give one of .png, .glb, .obj, .ply, .stl, .usda, "
       ".vtp, .vtu\n");
   EXPECT_EQ(run("run bush.l --in-rows 1 -o bush.glb").status, 2) << "without --variants";
+}
+
+TEST_F(Output, RowsOfAPictureStandBelowEachOther) {
+  folder_.write("line.l", "Lsystem: 1\nderivation length: 1\nAxiom: F(2)\nA --> A\nendlsystem\n");
+  ASSERT_EQ(run("run line.l --variants 5 --in-rows 1 -o row.png --size 90x120 --background transparent").status, 0);
+  const files::Image image = files::readPngImage(folder_.read("row.png")).value();
+  // three plants above, and two below on the left
+  std::array<std::set<int>, 2> columns;
+  for (int row = 0; row < image.height; ++row) {
+    for (int x = 0; x < image.width; ++x) {
+      if (image.at(x, row, 3) > 128) {
+        columns[row < image.height / 2 ? 0 : 1].insert(x);
+      }
+    }
+  }
+  ASSERT_FALSE(columns[0].empty());
+  ASSERT_FALSE(columns[1].empty());
+  EXPECT_EQ(*columns[0].begin(), *columns[1].begin());
+  EXPECT_GT(*columns[0].rbegin(), *columns[1].rbegin() + 10);
+}
+
+TEST_F(Output, VariantsWhoseImagesAreRandomDiffer) {
+  // the strings are equal, and what is drawn for them is not
+  folder_.write("random.l",
+                "Lsystem: 1\nderivation length: 1\nAxiom: A\nB --> B\nhomomorphism\nA --> F(1+ran(1))\nendlsystem\n");
+  const ProgramRun random = run("run random.l --seed 1 --variants 3 --in-rows 3 -o random.glb");
+  EXPECT_TRUE(contains(random.errors, "wrote random.glb (3 plants, 3 different)")) << random.errors;
 }
 
 TEST_F(Output, FramesOfAnAnimationShareOneScaleUnlessEachIsToFill) {
