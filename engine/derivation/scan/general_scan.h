@@ -6,7 +6,7 @@
 namespace espalier::derivation {
 
 /// Every module in the general way, so that the Rewriter sees every decision: for the record of one module
-/// (Derivation::deriveRecorded), and for the counts of productions.
+/// (Derivation::deriveRecorded), and for the counts of productions. What stays as it was is noted module by module.
 class GeneralScan {
  public:
   /// Both must outlive the object.
@@ -16,6 +16,13 @@ class GeneralScan {
   void run();
 
  private:
+  /// Whether the module at `begin`, whose rewriting ended at `end`, has become itself: a module at `module` of the
+  /// output with equal parameters, which begin at `parameter`.
+  [[nodiscard]] bool isAsItWas(const ScanPlace& begin, const ScanPlace& end, std::uint64_t module,
+                               std::uint64_t parameter) const;
+  /// Notes a run of modules that are as they were, when it is worth it.
+  void note(const KeptModules& kept);
+
   ScanContext* context_;
   ModuleRewriter* rewriter_;
 };

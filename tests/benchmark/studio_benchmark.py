@@ -1,0 +1,52 @@
+"""How fast the studio is: runs clients/web/test/studio_benchmark.js in Chromium at a server of its own and prints its rows.
+
+    python3 tests/benchmark/studio_benchmark.py --espalier build/release/bin/espalier
+
+Needs Node, the packages of clients/web and Chromium. The browser draws without a graphics card.
+"""
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import results_page
+
+WEB = Path(__file__).resolve().parents[2] / "clients" / "web"
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--espalier", required=True, help="the program")
+    parser.add_argument("--results", help="page to append the table to")
+    arguments = parser.parse_args()
+    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if not browser or not shutil.which("node") or not (WEB / "node_modules").is_dir():
+        print("the studio is not measured: Node, the packages of clients/web or Chromium are missing", file=sys.stderr)
+        return 0
+    with tempfile.TemporaryDirectory() as folder:
+        rows_file = Path(folder) / "rows.json"
+        done = subprocess.run(["node", "--test", str(WEB / "test" / "studio_benchmark.js")], capture_output=True, text=True,
+                              env={**os.environ, "ESPALIER_PROGRAM": str(Path(arguments.espalier).resolve()),
+                                   "ESPALIER_CHROMIUM": browser, "ESPALIER_ROWS": str(rows_file)})
+        if done.returncode != 0:
+            print(done.stdout + done.stderr, file=sys.stderr)
+            return 1
+        measured = json.loads(rows_file.read_text(encoding="utf-8"))
+    rows = [["in the studio", "times", "median ms", "95 of 100 ms", "target ms", ""]]
+    for row in measured:
+        met = "met" if row["p95"] <= row["target"] else "NOT MET"
+        rows.append([row["what"], str(row["times"]), f"{row['median']:.1f}", f"{row['p95']:.1f}", str(row["target"]), met])
+    print(results_page.table(rows))
+    if arguments.results:
+        results_page.append_table(arguments.results, "The studio, in a browser without a graphics card", rows)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
