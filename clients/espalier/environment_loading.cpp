@@ -330,15 +330,19 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
 
 }  // namespace
 
+server::FailureSink failureNotes(bool isQuiet) {
+  return [isQuiet](std::uint64_t step, const std::string& message) {
+    if (!isQuiet) {
+      printNote("step " + std::to_string(step) + ": " + message);
+    }
+  };
+}
+
 std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::Compatibility compatibility,
                                                  bool isQuiet, core::FileProvider& files, const RemoteOptions& remote) {
   core::RecordingFileProvider recorder(files);
   LoadedEnvironment loaded;
-  loaded.onFailure = std::make_shared<server::FailureSink>([isQuiet](std::uint64_t step, const std::string& message) {
-    if (!isQuiet) {
-      printNote("step " + std::to_string(step) + ": " + message);
-    }
-  });
+  loaded.onFailure = std::make_shared<server::FailureSink>(failureNotes(isQuiet));
   loaded.process =
       makeEnvironment(name, compatibility, isQuiet, recorder, loaded.processNames, {remote, loaded.onFailure});
   if (!loaded.process) {

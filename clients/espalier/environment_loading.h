@@ -34,6 +34,9 @@ struct LoadedEnvironment {
   std::shared_ptr<server::FailureSink> onFailure;
 };
 
+/// Prints such a failure unless `isQuiet`.
+[[nodiscard]] server::FailureSink failureNotes(bool isQuiet);
+
 /// Makes the environment that a command line names: `tcp://HOST:PORT`, `unix:PATH` and `stdio:COMMAND` are other
 /// processes, `*.json` is a configuration of one process or several, `*.so` a plug-in, `*.e` a published environment
 /// file. Any other text is the name of a built-in process with its defaults. Prints errors, and warnings unless

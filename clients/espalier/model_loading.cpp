@@ -287,16 +287,6 @@ core::Compatibility ModelOptions::mode() const {
 
 namespace {
 
-// a name that is nothing in the working folder may be that of a gallery model
-std::string inGalleryUnlessHere(const std::string& name) {
-  std::error_code error;
-  if (std::filesystem::exists(name, error)) {
-    return name;
-  }
-  const auto folder = server::galleryFolderOf(server::galleryOfProgram(), name);
-  return folder ? folder->string() : name;
-}
-
 std::vector<std::string> dialectChoices() {
   const std::vector<std::string_view> names = language::dialectNames();
   return {names.begin(), names.end()};
@@ -311,7 +301,7 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
                          "models in it),\na model folder, a forest (.json), a root system (.rsml, or a .tsv table), or the name of "
                          "a\nmodel of the gallery that came with the program");
   model->type_name("MODEL");
-  model->transform(inGalleryUnlessHere);
+  model->transform(server::pathOrGallery);
   model->required(isModelRequired);
   command.add_option("--dialect", options.dialect, "Dialect of the model (default: recognised by its content)")
       ->check(CLI::IsMember(dialectChoices()));

@@ -12,6 +12,7 @@
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/output/growth_plot.h"
 #include "server/remote/disk_files.h"
+#include "server/remote/models/gallery.h"
 
 namespace espalier::command {
 namespace {
@@ -81,8 +82,9 @@ void addGrowth(CLI::App& program, int& status) {
       "it also writes an SVG with a curve for each model and a logarithmic axis.\n"
       "Example: espalier growth plant-1.lsv plant-2.lsv -o plants.svg");
   auto options = std::make_shared<GrowthOptions>();
-  command->add_option("models", options->models, "L-system files of any dialect, or model folders")
+  command->add_option("models", options->models, "L-system files of any dialect, model folders, or names of models of the gallery")
       ->type_name("MODEL...")
+      ->transform(server::pathOrGallery)
       ->required();
   addRunningOptions(*command, options->model);
   command->add_option("-o", options->plot, "The plot to write")->type_name("FILE.svg");

@@ -273,14 +273,20 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   model.remote.keepsState =
       std::any_of(options.outputs.files.begin(), options.outputs.files.end(),
                   [&](const std::string& file) { return formatOf(options.outputs, file) == nullptr; });
-  // what there is to say about the model was said with the first variant
+  // what there is to say about the model was said with the first variant; each run has messages of its own
   model.isQuiet = options.model.isQuiet || variant > 1;
   std::optional<LoadedModel> loaded = resumed ? loadResumed(model, resumed->info, files) : loadModel(model, files);
-  if (!loaded || !options.trace.open(loaded->environment)) {
+  if (!loaded) {
     return kFailure;
   }
   model.isQuiet = options.model.isQuiet;
   loaded->simulationOptions.messages = standardErrorMessages(model.isQuiet);
+  if (loaded->environment.onFailure != nullptr) {
+    *loaded->environment.onFailure = failureNotes(model.isQuiet);
+  }
+  if (!options.trace.open(loaded->environment)) {
+    return kFailure;
+  }
   options.outputs.lengthUnit = model.lengthUnit;
   if (variant == 1 &&
       std::none_of(loaded->programs.begin(), loaded->programs.end(),

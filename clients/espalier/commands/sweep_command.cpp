@@ -70,12 +70,7 @@ std::string foundFile(const std::string& name, const std::string& folder, bool i
   if (fs::exists(beside, error)) {
     return beside.lexically_normal().string();
   }
-  if (isModel && !fs::exists(name, error)) {
-    if (const auto gallery = server::galleryFolderOf(server::galleryOfProgram(), name)) {
-      return gallery->string();
-    }
-  }
-  return name;
+  return isModel ? server::pathOrGallery(name) : name;
 }
 
 /// A plan with everything that its runs need.

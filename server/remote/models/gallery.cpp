@@ -123,6 +123,12 @@ std::optional<fs::path> galleryFolderOf(const std::string& gallery, const std::s
   return fs::path(gallery) / name;
 }
 
+std::string pathOrGallery(const std::string& name) {
+  std::error_code error;
+  const auto folder = fs::exists(name, error) ? std::nullopt : galleryFolderOf(galleryOfProgram(), name);
+  return folder ? folder->string() : name;
+}
+
 GalleryModel readGalleryModel(const std::string& gallery, const std::string& entry,
                               const std::vector<std::string>& used) {
   const std::size_t slash = entry.find('/');

@@ -32,6 +32,10 @@ inline constexpr const char* kForestFile = "forest.json";
 /// gallery.
 [[nodiscard]] std::optional<std::filesystem::path> galleryFolderOf(const std::string& gallery, const std::string& name);
 
+/// The path of a model as a person names it: a file or folder by that name, else the folder of the model with that name in
+/// galleryOfProgram(), else the name itself.
+[[nodiscard]] std::string pathOrGallery(const std::string& name);
+
 /// The files of a model of the gallery.
 struct GalleryModel {
   std::string main;                          // FILE or FILE:ENTRY
