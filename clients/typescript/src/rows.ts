@@ -16,6 +16,10 @@ export interface RowRange {
   end: number;
 }
 
+interface Placed extends Run {
+  to: number;
+}
+
 export interface ColumnShape {
   kind: "f8" | "u4";
   width: number;
@@ -85,58 +89,75 @@ export class Rows<Name extends string> {
   /** Puts the table together from its own rows and new ones. Returns the rows that moved or are new. */
   apply(runs: Run[], columnOf: (name: Name) => ArrayLike<number> | undefined): RowRange[] {
     const before = this.count;
-    const after = runs.reduce((sum, run) => sum + run.count, 0);
-    this.reserve(Math.max(after, before));
+    const fresh: Placed[] = [];
+    const moved: Placed[] = [];
+    const shifted: Placed[] = [];
     const dirty: RowRange[] = [];
-    const placed = runs.map(((to) => (run: Run) => ({ ...run, to: (to += run.count) - run.count }))(0));
-    const kept = placed.filter((run) => run.first !== NEW_ROWS);
-    const isOrdered = kept.every((run, i) => i === 0 || kept[i - 1].first + kept[i - 1].count <= run.first);
-    // rows in order: those that move up go last first, those that move down first last, and none overwrites another
-    const up = kept.filter((run) => run.to > run.first).reverse();
-    const down = kept.filter((run) => run.to < run.first);
-    for (const name of this.names()) {
-      const { width } = this.shapes[name];
-      const array = this.arrays[name];
-      const old = isOrdered ? array : array.slice(0, before * width);
-      for (const { first, count, to } of isOrdered ? [...up, ...down] : kept) {
-        if (isOrdered) {
-          array.copyWithin(to * width, first * width, (first + count) * width);
-        } else {
-          array.set(old.subarray(first * width, (first + count) * width), to * width);
+    let after = 0;
+    let last = 0; // of the old rows that stay
+    let isOrdered = true;
+    for (const { first, count, shift } of runs) {
+      const placed = { first, count, shift, to: after };
+      after += count;
+      if (first === NEW_ROWS) {
+        fresh.push(placed);
+      } else {
+        isOrdered &&= last <= first;
+        last = first + count;
+        if (first !== placed.to) {
+          moved.push(placed);
+        }
+        if (shift !== 0) {
+          shifted.push(placed);
         }
       }
-      const fresh = columnOf(name) ?? [];
-      let from = 0;
-      for (const { first, count, to } of placed) {
-        if (first === NEW_ROWS) {
-          for (let i = 0; i < count * width; ++i) {
-            array[to * width + i] = fresh[from + i];
-          }
-          from += count * width;
+      if (count > 0 && (first !== placed.to || shift !== 0)) {
+        const range = dirty[dirty.length - 1];
+        if (range?.end === placed.to) {
+          range.end = after;
+        } else {
+          dirty.push({ begin: placed.to, end: after });
         }
       }
     }
-    for (const name of this.shifted) {
+    this.reserve(Math.max(after, before));
+    // rows in order: those that move up go last first, those that move down first last, and none overwrites another
+    const up = moved.filter((run) => run.to > run.first).reverse();
+    const down = moved.filter((run) => run.to < run.first);
+    for (const name of this.names()) {
+      const { width } = this.shapes[name];
       const array = this.arrays[name];
-      for (const { count, shift, to } of kept) {
-        if (shift !== 0) {
-          for (let i = to; i < to + count; ++i) {
-            array[i] = (array[i] + shift) >>> 0;
-          }
+      if (isOrdered) {
+        for (const { first, count, to } of [...up, ...down]) {
+          array.copyWithin(to * width, first * width, (first + count) * width);
+        }
+      } else {
+        const old = array.slice(0, before * width);
+        for (const { first, count, to } of moved) {
+          array.set(old.subarray(first * width, (first + count) * width), to * width);
+        }
+      }
+      put(fresh, columnOf(name) ?? [], array, width);
+    }
+    for (const name of this.shifted) {
+      for (const { count, shift, to } of shifted) {
+        const array = this.arrays[name];
+        for (let i = to; i < to + count; ++i) {
+          array[i] = (array[i] + shift) >>> 0;
         }
       }
     }
     this.count = after;
-    for (const { first, count, to, shift } of placed) {
-      if (count > 0 && (first !== to || shift !== 0)) {
-        const last = dirty[dirty.length - 1];
-        if (last && last.end === to) {
-          last.end = to + count;
-        } else {
-          dirty.push({ begin: to, end: to + count });
-        }
-      }
-    }
     return dirty;
+  }
+}
+
+/** Puts values one after the other in their places. */
+function put(places: Placed[], values: ArrayLike<number>, array: Float64Array | Uint32Array, width: number): void {
+  let from = 0;
+  for (const { count, to } of places) {
+    for (let at = to * width; at < (to + count) * width; ++at) {
+      array[at] = values[from++];
+    }
   }
 }

@@ -89,7 +89,7 @@ test("time", async () => {
 test("changes", async () => {
   const page = await open(`${running.address}/#gallery=branch-tiers`);
   // a quarter of a million segments (more would be drawn for minutes); then one in sixty, in branches of its own, grows
-  const model = "Lsystem: 1\nderivation length: 16\nAxiom: A(9)\nA(n) : n == 3 --> A(2)A(2)A(2)A(2)[+G(1)]\nA(n) : n > 0 --> A(n-1)A(n-1)A(n-1)A(n-1)\nA(n) --> F(0.1)+(1)\nG(l) --> G(l*1.01)\nendlsystem\n";
+  const model = "Lsystem: 1\nderivation length: 20\nAxiom: A(9)\nA(n) : n == 3 --> A(2)A(2)A(2)A(2)[+G(1)]\nA(n) : n > 0 --> A(n-1)A(n-1)A(n-1)A(n-1)\nA(n) --> F(0.1)+(1)\nG(l) --> G(l*1.01)\nendlsystem\n";
   // what the graphics card does without a card is no matter here
   await page.getByLabel("shadows").uncheck();
   await page.getByLabel("ground").uncheck();
@@ -98,7 +98,7 @@ test("changes", async () => {
   await prepare(page);
   const { times, figures } = await page.evaluate(async () => {
     const found = [];
-    for (let i = 0; i < 3; ++i) {
+    for (let i = 0; i < 8; ++i) {
       await timed(() => void studio.stepOnce());
       found.push(window.updateTime);
     }

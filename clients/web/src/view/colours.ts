@@ -29,7 +29,7 @@ const packed = ([r, g, b]: ArrayLike<number> & Iterable<number>): number => (Mat
 export const cssColour = (colour: number): string => `#${colour.toString(16).padStart(6, "0")}`;
 
 function mixed(a: number[], b: number[], t: number): number {
-  return packed(a.map((x, i) => x + t * (b[i] - x)));
+  return packed([a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])]);
 }
 
 export function scaleColour(t: number): number {
@@ -51,11 +51,13 @@ export interface Painting {
   segment: (row: number) => number;
   organ: (row: number) => number;
   legend: Legend | null;
+  /** Paintings with equal keys give a row that stays the same colour; null: none does. */
+  key: string | null;
 }
 
 export interface Births {
-  segments: Uint32Array; // step in which the row last changed
-  organs: Uint32Array;
+  segments: ArrayLike<number>; // step in which the row last changed
+  organs: ArrayLike<number>;
   step: number;
 }
 
@@ -107,7 +109,8 @@ function parameterPainting(geometry: Geometry, table: TurtleTable | null, index:
       high = found > high ? found : high;
     }
   }
-  return scalePainting(`parameter ${index + 1}`, low <= high ? low : 0, low <= high ? high : 0, value);
+  // the table may be another one, whose rows are not those of the frame before
+  return { ...scalePainting(`parameter ${index + 1}`, low <= high ? low : 0, low <= high ? high : 0, value), key: null };
 }
 
 function modelPainting(geometry: Geometry, palette: ModelPalette | null): Painting {
@@ -115,33 +118,38 @@ function modelPainting(geometry: Geometry, palette: ModelPalette | null): Painti
   const organColours = geometry.organs.column("Colour");
   const orders = geometry.segments.column("Order");
   const plants = geometry.segments.column("Plant");
+  const isOfModel = palette?.isOfModel === true;
   const coloured = new Set<number>();
+  let last = -1;
   for (let i = 0; i < colours.length; ++i) {
-    if (palette?.isOfModel || colours[i] !== DEFAULT_COLOUR) {
-      coloured.add(plants[i]);
+    if (plants[i] !== last && (isOfModel || colours[i] !== DEFAULT_COLOUR)) {
+      last = plants[i];
+      coloured.add(last);
     }
   }
   const highest = Math.max(largest(orders), 1);
+  const ofOrder = Array.from({ length: highest + 1 }, (_, order) => mixed(TRUNK, TWIG, order / highest));
   const table = palette?.colours.map(packed) ?? [];
   const leaf = packed(LEAF);
   return {
-    segment: (i) => (coloured.has(plants[i]) ? (table[colours[i] & 255] ?? leaf) : mixed(TRUNK, TWIG, orders[i] / highest)),
-    organ: (i) => (!palette?.isOfModel && organColours[i] === DEFAULT_COLOUR ? leaf : (table[organColours[i] & 255] ?? leaf)),
+    segment: (i) => (coloured.has(plants[i]) ? (table[colours[i] & 255] ?? leaf) : ofOrder[orders[i]]),
+    organ: (i) => (!isOfModel && organColours[i] === DEFAULT_COLOUR ? leaf : (table[organColours[i] & 255] ?? leaf)),
     legend: null,
+    key: `${highest} ${[...coloured].sort((a, b) => a - b).join()}`,
   };
 }
 
 function classPainting(title: string, classOf: (isOrgan: boolean, row: number) => number, names: string[]): Painting {
   const colour = (i: number) => CLASSES[i % CLASSES.length];
   const swatches = names.slice(0, CLASSES.length).map((name, i) => ({ colour: cssColour(colour(i)), name }));
-  return { segment: (i) => colour(classOf(false, i)), organ: (i) => colour(classOf(true, i)), legend: { title, swatches } };
+  return { segment: (i) => colour(classOf(false, i)), organ: (i) => colour(classOf(true, i)), legend: { title, swatches }, key: names.join("\n") };
 }
 
 function scalePainting(title: string, low: number, high: number, value: (isOrgan: boolean, row: number) => number): Painting {
   const span = high - low || 1;
   const colour = (x: number) => (Number.isNaN(x) ? 0xb9b9b0 : scaleColour((x - low) / span));
   const colours = SCALE.map((entry) => cssColour(packed(entry)));
-  return { segment: (i) => colour(value(false, i)), organ: (i) => colour(value(true, i)), legend: { title, scale: { colours, low, high } } };
+  return { segment: (i) => colour(value(false, i)), organ: (i) => colour(value(true, i)), legend: { title, scale: { colours, low, high } }, key: `${low} ${high}` };
 }
 
 function largest(values: ArrayLike<number>): number {
@@ -155,7 +163,9 @@ function largest(values: ArrayLike<number>): number {
 function unique(values: ArrayLike<number>): Set<number> {
   const found = new Set<number>();
   for (let i = 0; i < values.length; ++i) {
-    found.add(values[i]);
+    if (i === 0 || values[i] !== values[i - 1]) {
+      found.add(values[i]);
+    }
   }
   return found;
 }

@@ -1,6 +1,6 @@
 // What is where: bounds of the plants, and the thing that a ray meets.
 import { Box3, Vector3 } from "three";
-import type { Geometry } from "espalier";
+import type { Geometry, RowRange } from "espalier";
 
 export interface Picked {
   plant: number;
@@ -13,15 +13,80 @@ export interface Picked {
   position: [number, number, number];
 }
 
-export function boundsOf({ segments, vertices }: Geometry): Box3 {
-  const box = new Box3();
-  const point = new Vector3();
-  for (const values of [segments.column("Start"), segments.column("End"), vertices.column("Position")]) {
-    for (let i = 0; i < values.length; i += 3) {
-      box.expandByPoint(point.set(values[i], values[i + 1], values[i + 2]));
+const BLOCK = 16; // rows whose box is kept
+
+/** The box of all points of a table. Only blocks of rows that changed are looked at again. */
+export class Bounds {
+  private boxes = new Float64Array(0); // of each block: lows, highs
+  private count = 0;
+
+  /** `columns`: three coordinates a row each; `changed`: ascending ranges of rows. */
+  update(columns: ArrayLike<number>[], count: number, changed: RowRange[]): Box3 {
+    const blocks = Math.ceil(count / BLOCK);
+    if (this.boxes.length < 6 * blocks) {
+      const larger = new Float64Array(9 * blocks);
+      larger.set(this.boxes);
+      this.boxes = larger;
     }
+    let done = 0;
+    for (const { begin, end } of changed) {
+      const last = Math.min(Math.ceil(end / BLOCK), blocks);
+      for (let block = Math.max(done, Math.floor(begin / BLOCK)); block < last; ++block) {
+        this.measure(block, columns, count);
+      }
+      done = Math.max(done, last);
+    }
+    if (blocks > 0 && count !== this.count) {
+      this.measure(blocks - 1, columns, count);
+    }
+    this.count = count;
+    return this.union(blocks);
   }
-  return box;
+
+  private measure(block: number, columns: ArrayLike<number>[], count: number): void {
+    const begin = 3 * BLOCK * block;
+    const end = Math.min(3 * count, begin + 3 * BLOCK);
+    let [lowX, lowY, lowZ] = [Infinity, Infinity, Infinity];
+    let [highX, highY, highZ] = [-Infinity, -Infinity, -Infinity];
+    for (let column = 0; column < columns.length; ++column) {
+      const values = columns[column];
+      for (let i = begin; i < end; i += 3) {
+        const x = values[i];
+        const y = values[i + 1];
+        const z = values[i + 2];
+        lowX = x < lowX ? x : lowX;
+        lowY = y < lowY ? y : lowY;
+        lowZ = z < lowZ ? z : lowZ;
+        highX = x > highX ? x : highX;
+        highY = y > highY ? y : highY;
+        highZ = z > highZ ? z : highZ;
+      }
+    }
+    const { boxes } = this;
+    const to = 6 * block;
+    boxes[to] = lowX;
+    boxes[to + 1] = lowY;
+    boxes[to + 2] = lowZ;
+    boxes[to + 3] = highX;
+    boxes[to + 4] = highY;
+    boxes[to + 5] = highZ;
+  }
+
+  private union(blocks: number): Box3 {
+    const low = [0, 0, 0];
+    const high = [0, 0, 0];
+    for (let axis = 0; axis < 3; ++axis) {
+      let lowest = Infinity;
+      let highest = -Infinity;
+      for (let at = axis; at < 6 * blocks; at += 6) {
+        lowest = this.boxes[at] < lowest ? this.boxes[at] : lowest;
+        highest = this.boxes[at + 3] > highest ? this.boxes[at + 3] : highest;
+      }
+      low[axis] = lowest;
+      high[axis] = highest;
+    }
+    return new Box3(new Vector3(...low), new Vector3(...high));
+  }
 }
 
 /** The nearest segment or organ on a ray, or nothing. `onePixel`: its size at distance 1; thin lines get some pixels. */

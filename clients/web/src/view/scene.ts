@@ -21,21 +21,18 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Geometry, GeometryChange, TurtleTable } from "espalier";
-import { painting } from "./colours.js";
-import type { Births, ColourMode, Legend, ModelPalette } from "./colours.js";
+import type { ColourMode, Legend, ModelPalette } from "./colours.js";
 import { FieldView, fieldBox } from "./fields.js";
 import type { Field, FieldLook } from "./fields.js";
 import { GpuClock, onNextFrame } from "./frames.js";
-import { boundsOf, pick } from "./measures.js";
+import { pick } from "./measures.js";
 import { freeObject, texturesOf } from "./objects.js";
 import type { Picked } from "./measures.js";
-import { Organs } from "./organs.js";
+import { Plants } from "./plants.js";
 import { Surroundings } from "./surroundings.js";
 import type { Solid } from "./surroundings.js";
-import { Tubes } from "./tubes.js";
 
 const FIELD_OF_VIEW = 32;
-const HIGHLIGHT = 0xff7a1a;
 
 export interface ViewSettings {
   mode: ColourMode;
@@ -49,7 +46,6 @@ export class View {
   readonly renderer: WebGLRenderer;
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 1000);
   readonly controls: OrbitControls;
-  legend: Legend | null = null;
   /** Called once when pictures take long. */
   onSlow: () => void = () => {};
   private readonly clock: GpuClock;
@@ -66,16 +62,9 @@ export class View {
   readonly fieldView = new FieldView();
   private field: Field | null = null;
   private processes: unknown[] = [];
-  private readonly tubes = new Tubes();
-  private readonly organs = new Organs();
-  private geometry: Geometry | null = null;
-  private births: Births = { segments: new Uint32Array(0), organs: new Uint32Array(0), step: 0 };
-  private palette: ModelPalette | null = null;
-  private table: TurtleTable | null = null;
-  private bounds = new Box3();
+  private readonly plants = new Plants();
   private fitted: Box3 | null = null;
   private first: Vector3 | null = null; // the direction to the viewer at the beginning
-  private picked: { plant: number; module: number } | null = null;
   private hasBackground = true;
   private isDrawing = false;
   private isTurned = false; // by a person, who does not want it turned back
@@ -89,7 +78,7 @@ export class View {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.clock = new GpuClock(this.renderer.getContext() as WebGL2RenderingContext, () => {
-      this.tubes.isCoarse = true;
+      this.plants.tubes.isCoarse = true;
       this.onSlow();
     });
     this.renderer.shadowMap.type = PCFShadowMap;
@@ -113,7 +102,7 @@ export class View {
       new MeshStandardMaterial({ roughness: 1, transparent: true, alphaMap: fadeTexture(), depthWrite: false }),
     );
     this.ground.receiveShadow = true;
-    this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.tubes.mesh, this.organs.mesh, this.surroundings.group, this.fieldView.group);
+    this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.plants.tubes.mesh, this.plants.organs.mesh, this.surroundings.group, this.fieldView.group);
     this.camera.position.set(0, 2, 10);
     this.apply(settings);
     new ResizeObserver(() => this.resize()).observe(element);
@@ -134,28 +123,23 @@ export class View {
   }
 
   setPalette(palette: ModelPalette | null): void {
-    this.palette = palette;
+    this.plants.palette = palette;
     this.repaint();
   }
 
   /** Parameters of the modules, for colours by parameter. */
   setTable(table: TurtleTable | null): void {
-    this.table = table;
+    this.plants.table = table;
     this.repaint();
+  }
+
+  get legend(): Legend | null {
+    return this.plants.legend;
   }
 
   /** Shows a frame. Rows that did not change are not written again. */
   update(geometry: Geometry, change: GeometryChange, step: number, isLast: boolean): void {
-    const isSame = this.geometry === geometry && !change.isWhole;
-    this.geometry = geometry;
-    this.bear(change, step);
-    const everything = [{ begin: 0, end: geometry.segments.count }];
-    this.tubes.update(geometry, isSame ? change.segments : everything);
-    if (!isSame || change.organs.length > 0 || change.organRuns.length > 0) {
-      this.organs.update(geometry);
-    }
-    this.bounds = boundsOf(geometry);
-    this.repaint();
+    this.plants.update(geometry, change, step, this.settings.mode);
     this.arrange();
     this.surround(this.processes);
     this.fitGrown(isLast);
@@ -164,7 +148,7 @@ export class View {
   /** Shows what surrounds the plants: the processes of the environment. */
   surround(processes: unknown[]): void {
     this.processes = processes;
-    const box = this.bounds;
+    const box = this.plants.bounds;
     const radius = box.isEmpty() ? 1 : Math.max(box.getSize(new Vector3()).length() / 2, 1e-3);
     this.surroundings.group.visible = this.settings.hasSurroundings;
     this.surroundings.show(processes, box.isEmpty() ? new Vector3() : box.getCenter(new Vector3()), radius);
@@ -191,38 +175,8 @@ export class View {
     this.draw();
   }
 
-  /** Remembers in which step rows changed. */
-  private bear(change: GeometryChange, step: number): void {
-    const aged = (before: Uint32Array, count: number, runs: GeometryChange["segmentRuns"]): Uint32Array => {
-      const births = new Uint32Array(count).fill(step);
-      let to = 0;
-      for (const run of change.isWhole ? [] : runs) {
-        if (run.first !== 0xffffffff) {
-          births.set(before.subarray(run.first, run.first + run.count), to);
-        }
-        to += run.count;
-      }
-      return births;
-    };
-    const { segments, organs } = this.geometry!;
-    this.births = {
-      segments: aged(this.births.segments, segments.count, change.segmentRuns),
-      organs: aged(this.births.organs, organs.count, change.organRuns),
-      step,
-    };
-  }
-
-  repaint(): void {
-    if (this.geometry) {
-      const { segments, organs } = this.geometry;
-      const paint = painting(this.settings.mode, this.geometry, this.palette, this.births, this.table);
-      this.legend = paint.legend;
-      const chosen = this.picked;
-      const highlighted = (plants: ArrayLike<number>, modules: ArrayLike<number>, plain: (i: number) => number) =>
-        chosen ? (i: number) => (modules[i] === chosen.module && plants[i] === chosen.plant ? HIGHLIGHT : plain(i)) : plain;
-      this.tubes.paint([{ begin: 0, end: segments.count }], highlighted(segments.column("Plant"), segments.column("Module"), paint.segment));
-      this.organs.paint(highlighted(organs.column("Plant"), organs.column("Module"), paint.organ));
-    }
+  private repaint(): void {
+    this.plants.repaint(this.settings.mode);
     this.draw();
   }
 
@@ -245,19 +199,19 @@ export class View {
 
   /** Either the columns or the object is visible. A chosen module has its colour in the columns only. */
   private arrange(): void {
-    const isObject = this.other !== null && this.settings.mode === "model" && !this.picked;
+    const isObject = this.other !== null && this.settings.mode === "model" && !this.plants.picked;
     if (this.other) {
       this.other.visible = isObject;
     }
-    this.tubes.mesh.visible = !isObject && this.geometry !== null && this.tubes.count > 0;
-    this.organs.mesh.visible = !isObject && this.geometry !== null && this.organs.count > 0;
+    this.plants.tubes.mesh.visible = !isObject && this.plants.geometry !== null && this.plants.tubes.count > 0;
+    this.plants.organs.mesh.visible = !isObject && this.plants.geometry !== null && this.plants.organs.count > 0;
     this.draw();
   }
 
   clear(): void {
-    this.geometry = null;
+    this.plants.geometry = null;
     this.fitted = null;
-    this.picked = null;
+    this.plants.picked = null;
     this.showObject(null);
   }
 
@@ -282,7 +236,7 @@ export class View {
 
   drawNow(): void {
     const height = this.renderer.domElement.height || 1;
-    this.tubes.setPixelScale(((2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / height) * this.renderer.getPixelRatio());
+    this.plants.tubes.setPixelScale(((2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / height) * this.renderer.getPixelRatio());
     this.light();
     this.renderer.render(this.scene, this.camera);
     this.clock.begin();
@@ -291,7 +245,7 @@ export class View {
 
   /** Sun, shadows and ground follow the size of the plants. */
   private light(): void {
-    const box = this.bounds;
+    const box = this.plants.bounds;
     const hasPlant = !box.isEmpty();
     const radius = hasPlant ? Math.max(box.getSize(new Vector3()).length() / 2, 1e-3) : 1;
     const centre = hasPlant ? box.getCenter(new Vector3()) : new Vector3();
@@ -304,7 +258,7 @@ export class View {
     this.sun.shadow.normalBias = radius * 0.002;
     const size = box.getSize(new Vector3());
     // flat drawings, and plants below the ground, stand in the air
-    const isStanding = hasPlant && size.z > 0.02 * radius && box.min.y > -0.05 * size.y && this.geometry?.widths === "world";
+    const isStanding = hasPlant && size.z > 0.02 * radius && box.min.y > -0.05 * size.y && this.plants.geometry?.widths === "world";
     // it would cover what lies behind the canvas
     this.ground.visible = this.settings.hasGround && this.hasBackground && isStanding;
     this.ground.position.set(centre.x, Math.min(box.min.y, 0), centre.z);
@@ -347,7 +301,7 @@ export class View {
 
   /** Of the plants of this view and of the one beside it, and of a field that is shown, as far as it is near the plants. */
   private get wholeBounds(): Box3 {
-    const plants = this.partner ? this.bounds.clone().union(this.partner.bounds) : this.bounds;
+    const plants = this.partner ? this.plants.bounds.clone().union(this.partner.plants.bounds) : this.plants.bounds;
     if (!this.field || plants.isEmpty()) {
       return plants;
     }
@@ -446,11 +400,11 @@ export class View {
     const place = this.renderer.domElement.getBoundingClientRect();
     const caster = this.casterAt(clientX, clientY);
     const onePixel = (2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / place.height;
-    return this.geometry ? pick(this.geometry, caster.ray.origin, caster.ray.direction, onePixel) : null;
+    return this.plants.geometry ? pick(this.plants.geometry, caster.ray.origin, caster.ray.direction, onePixel) : null;
   }
 
   highlight(module: { plant: number; module: number } | null): void {
-    this.picked = module;
+    this.plants.picked = module;
     this.repaint();
     this.arrange();
   }
@@ -471,7 +425,7 @@ export class View {
 
   /** Numbers of the model's colours that something has. */
   usedColours(): number[] {
-    const { segments, organs } = this.geometry ?? {};
+    const { segments, organs } = this.plants.geometry ?? {};
     const used = new Set<number>();
     for (const colours of [segments?.column("Colour"), organs?.column("Colour")]) {
       for (let i = 0; i < (colours?.length ?? 0); ++i) {
@@ -482,13 +436,13 @@ export class View {
   }
 
   plantHeight(): number {
-    return this.bounds.isEmpty() ? 1 : Math.max(this.bounds.max.y - this.bounds.min.y, 1e-6);
+    return this.plants.bounds.isEmpty() ? 1 : Math.max(this.plants.bounds.max.y - this.plants.bounds.min.y, 1e-6);
   }
 
   /** Where on the canvas the plants stand, in pixels, and the world units of a pixel there. */
   foot(): { x: number; y: number; unitsPerPixel: number } {
-    const centre = this.bounds.isEmpty() ? new Vector3() : this.bounds.getCenter(new Vector3());
-    const point = new Vector3(centre.x, this.bounds.isEmpty() ? 0 : this.bounds.min.y, centre.z);
+    const centre = this.plants.bounds.isEmpty() ? new Vector3() : this.plants.bounds.getCenter(new Vector3());
+    const point = new Vector3(centre.x, this.plants.bounds.isEmpty() ? 0 : this.plants.bounds.min.y, centre.z);
     const depth = -point.clone().applyMatrix4(this.camera.matrixWorldInverse).z;
     const { clientWidth, clientHeight } = this.element;
     point.project(this.camera);
@@ -500,9 +454,9 @@ export class View {
   figures(): { calls: number; segmentBytes: number; segments: number; organs: number; textures: number } {
     return {
       calls: this.renderer.info.render.calls,
-      segmentBytes: this.tubes.bytesEach,
-      segments: this.geometry?.segments.count ?? 0,
-      organs: this.geometry?.organs.count ?? 0,
+      segmentBytes: this.plants.tubes.bytesEach,
+      segments: this.plants.geometry?.segments.count ?? 0,
+      organs: this.plants.geometry?.organs.count ?? 0,
       textures: this.other?.visible ? texturesOf(this.other).size : 0,
     };
   }

@@ -18,6 +18,7 @@ import type { Geometry, RowRange } from "espalier";
 // more segments get simpler tubes
 const MANY = 150_000;
 const VERY_MANY = 500_000;
+const NEAR = 512; // rows
 
 /** A tube of unit length and radius along y. `x` of `cap` moves a ring beyond an end, in radii. */
 function tube(sides: number, hasCaps: boolean): { positions: Float32Array; index: number[] } {
@@ -86,6 +87,20 @@ function patch(uniforms: Record<string, { value: unknown }>, isLit: boolean) {
   };
 }
 
+/** Ranges that lie close together as one: to send the rows between them costs less than another call. */
+function joined(ranges: RowRange[]): RowRange[] {
+  const found: RowRange[] = [];
+  for (const { begin, end } of ranges) {
+    const last = found[found.length - 1];
+    if (last && begin - last.end < NEAR) {
+      last.end = end;
+    } else {
+      found.push({ begin, end });
+    }
+  }
+  return found;
+}
+
 export class Tubes {
   isCoarse = false; // fewer sides, for a browser that draws slowly
   readonly mesh: Mesh<InstancedBufferGeometry, MeshStandardMaterial>;
@@ -133,17 +148,17 @@ export class Tubes {
     const endWidth = segments.column("EndWidth");
     const to = { start: this.attributes.segmentStart.array, end: this.attributes.segmentEnd.array, widths: this.attributes.segmentWidths.array };
     for (const { begin, end: last } of isNew ? [{ begin: 0, end: count }] : ranges) {
-      to.start.set(start.subarray(3 * begin, 3 * last), 3 * begin);
-      to.end.set(end.subarray(3 * begin, 3 * last), 3 * begin);
+      for (let i = 3 * begin; i < 3 * last; ++i) {
+        to.start[i] = start[i];
+        to.end[i] = end[i];
+      }
       for (let i = begin; i < last; ++i) {
         to.widths[2 * i] = DataUtils.toHalfFloat(Math.min(startWidth[i], 60000));
         to.widths[2 * i + 1] = DataUtils.toHalfFloat(Math.min(endWidth[i], 60000));
       }
     }
     if (!isNew) {
-      for (const name of ["segmentStart", "segmentEnd", "segmentWidths"]) {
-        this.touch(name, ranges);
-      }
+      this.touch(["segmentStart", "segmentEnd", "segmentWidths"], ranges);
     }
     this.uniforms.lowest.value.set(geometry.widths === "pixels" ? 1 : 0, 0);
     // a width in pixels has no size in the light's picture
@@ -165,15 +180,18 @@ export class Tubes {
         colours[4 * i + 2] = colour & 255;
       }
     }
-    this.touch("segmentColour", ranges);
+    this.touch(["segmentColour"], ranges);
   }
 
-  private touch(name: string, ranges: RowRange[]): void {
-    const attribute = this.attributes[name];
-    for (const { begin, end } of ranges) {
-      attribute.addUpdateRange(begin * attribute.itemSize, (end - begin) * attribute.itemSize);
+  private touch(names: string[], ranges: RowRange[]): void {
+    const sent = joined(ranges);
+    for (const name of names) {
+      const attribute = this.attributes[name];
+      for (const { begin, end } of sent) {
+        attribute.addUpdateRange(begin * attribute.itemSize, (end - begin) * attribute.itemSize);
+      }
+      attribute.needsUpdate = true;
     }
-    attribute.needsUpdate = true;
   }
 
   private shape(sides: number, hasCaps: boolean): void {
