@@ -108,7 +108,8 @@ std::string addTranslatedView(const CompileInput& input, const TranslatedModel& 
 
 }  // namespace
 
-CompileResult compile(const CompileInput& original, core::FileProvider& originalFiles) {
+CompileResult compile(const CompileInput& original, core::FileProvider& originalFiles,
+                      const std::function<void(const ParsedModel&)>& onParsed) {
   CompileResult result;
   CompileInput input = original;
   TranslatedFiles files(originalFiles);
@@ -141,6 +142,9 @@ CompileResult compile(const CompileInput& original, core::FileProvider& original
   // source text -> preprocessed text -> analysed syntax tree
   ParsedModel parsed =
       parseModel(input, view.settings, translated ? ModelOrigin::Translation : ModelOrigin::Cpfg, files);
+  if (onParsed && !translated) {
+    onParsed(parsed);
+  }
   PreprocessResult& source = parsed.source;
   MessageList& messages = parsed.messages;
   addAll(result.diagnostics, source.diagnostics);

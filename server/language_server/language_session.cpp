@@ -205,7 +205,7 @@ Json LanguageSession::rangeOf(const LineIndex& lines, std::size_t offset, std::s
 }
 
 Json LanguageSession::locationOf(const ModelAnalysis& analysis, const language::NameUse& use) const {
-  const files::SourceMap::File& file = analysis.map().files[use.file];
+  const files::SourceMap::File& file = analysis.map.files[use.file];
   return {{"uri", documents_.uriOf(file.name)}, {"range", rangeOf(analysis.lines[use.file], use.offset, use.length)}};
 }
 

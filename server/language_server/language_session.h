@@ -81,7 +81,7 @@ struct LanguageSession::Place {
   std::uint32_t offset = 0;
   const language::NameUse* name = nullptr;  // null: there is no name
 
-  [[nodiscard]] const std::string& text() const { return analysis->map().files[file].text; }
+  [[nodiscard]] const std::string& text() const { return analysis->map.files[file].text; }
   [[nodiscard]] const LineIndex& lines() const { return analysis->lines[file]; }
 };
 

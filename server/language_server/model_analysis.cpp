@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/language/compiler.h"
-#include "engine/language/dialects/dialect.h"
+#include "engine/language/parsed_model.h"
 #include "engine/language/view/view_file.h"
 
 namespace espalier::server {
@@ -23,7 +23,7 @@ std::string viewBeside(const std::string& modelFile, core::FileProvider& files) 
 }  // namespace
 
 std::optional<std::uint32_t> ModelAnalysis::fileIndex(const std::string& name) const {
-  const auto& files = map().files;
+  const auto& files = map.files;
   const auto found = std::find_if(files.begin(), files.end(), [&](const auto& known) { return known.name == name; });
   return found == files.end() ? std::nullopt
                               : std::optional<std::uint32_t>(static_cast<std::uint32_t>(found - files.begin()));
@@ -54,21 +54,16 @@ std::shared_ptr<const ModelAnalysis> analyseModel(const std::string& modelFile, 
   language::CompileInput input;
   input.modelFile = modelFile;
   input.viewFile = viewBeside(modelFile, files);
-  analysis->diagnostics = language::compile(input, files).diagnostics.entries();
-  const std::optional<std::string> text = files.read(modelFile);
-  analysis->isForeign = text && !language::looksLikeCpfg(*text) && language::translateForeign(input, files).has_value();
-  if (!analysis->isForeign) {
-    files::ViewSettings view;
-    if (!input.viewFile.empty()) {
-      view = language::readViewFile(input.viewFile, files, input.compatibility, input.limits).settings;
-    }
-    analysis->parsed = language::parseModel(input, view, language::ModelOrigin::Cpfg, files);
-    analysis->names = language::nameUses(analysis->parsed);
-    analysis->macros = language::macroDefinitions(analysis->map());
-    for (const files::SourceMap::File& file : analysis->map().files) {
+  const auto learn = [&](const language::ParsedModel& parsed) {
+    analysis->isForeign = false;
+    analysis->map = parsed.source.sourceMap;
+    analysis->names = language::nameUses(parsed);
+    analysis->macros = language::macroDefinitions(analysis->map);
+    for (const files::SourceMap::File& file : analysis->map.files) {
       analysis->lines.emplace_back(file.text);
     }
-  }
+  };
+  analysis->diagnostics = language::compile(input, files, learn).diagnostics.entries();
   return analysis;
 }
 

@@ -10,7 +10,6 @@
 #include "engine/core/streams.h"
 #include "engine/files/source_map.h"
 #include "engine/language/outline/name_uses.h"
-#include "engine/language/parsed_model.h"
 #include "server/language_server/text_positions.h"
 
 namespace espalier::server {
@@ -19,13 +18,12 @@ namespace espalier::server {
 struct ModelAnalysis {
   std::string file;  // of the model
   std::vector<core::Diagnostic> diagnostics;
-  bool isForeign = false;        // another program's notation: only the messages are known
-  language::ParsedModel parsed;  // empty for a foreign model
+  bool isForeign = true;  // another program's notation: only the messages are known
+  files::SourceMap map;   // empty for a foreign model, like what follows
   std::vector<language::NameUse> names;
   std::vector<language::MacroDefinition> macros;
   std::vector<LineIndex> lines;  // by file
 
-  [[nodiscard]] const files::SourceMap& map() const { return parsed.source.sourceMap; }
   /// The index of a file of the model by its name.
   [[nodiscard]] std::optional<std::uint32_t> fileIndex(const std::string& name) const;
   /// The name at an offset of a file: a macro wins over what it brings. Null: none is there.

@@ -55,7 +55,7 @@ std::string moduleHover(const ModelAnalysis& analysis, std::string_view text, co
     core::pollWork();
     if (use.meansTheSameAs(name) && use.isDefinition && use.arity == name.arity && !use.isExpanded) {
       ++count;
-      productions += std::string(lineAt(analysis.map().files[use.file].text, use.offset)) + "\n";
+      productions += std::string(lineAt(analysis.map.files[use.file].text, use.offset)) + "\n";
     }
   }
   const std::string module =
@@ -72,7 +72,7 @@ std::string macroHover(const ModelAnalysis& analysis, const NameUse& name) {
   for (const language::MacroDefinition& macro : analysis.macros) {
     core::pollWork();
     if (macro.name == name.name) {
-      const files::SourceMap::File& file = analysis.map().files[macro.file];
+      const files::SourceMap::File& file = analysis.map.files[macro.file];
       const std::uint32_t line = analysis.lines[macro.file].positionAt(macro.offset, ColumnUnit::Bytes).line + 1;
       hover += "```\n" + std::string(lineAt(file.text, macro.offset)) + "\n```\nmacro, defined at " + file.name + ":" +
                std::to_string(line) + "\n\n";
@@ -187,7 +187,7 @@ Json LanguageSession::rename(const Json& parameters, std::optional<Failure>& fai
   }
   Json changes = Json::object();
   for (const TextEdit& edit : *edits) {
-    const files::SourceMap::File& file = place->analysis->map().files[edit.file];
+    const files::SourceMap::File& file = place->analysis->map.files[edit.file];
     changes[documents_.uriOf(file.name)].push_back(
         {{"range", rangeOf(place->analysis->lines[edit.file], edit.offset, edit.length)}, {"newText", newName}});
   }

@@ -100,7 +100,7 @@ tl::expected<std::vector<TextEdit>, std::string> renameEdits(const ModelAnalysis
       continue;
     }
     if (use.isExpanded) {
-      const files::SourceMap::File& file = analysis.map().files[use.file];
+      const files::SourceMap::File& file = analysis.map.files[use.file];
       return tl::unexpected("the macro '" + file.text.substr(use.offset, use.length) + "' brings the name '" +
                             name.name + "': rename it in the macro's definition by hand");
     }
@@ -114,7 +114,7 @@ tl::expected<std::vector<TextEdit>, std::string> renameEdits(const ModelAnalysis
 
   EditedFiles edited(files);
   for (std::size_t begin = 0; begin < edits.size();) {
-    const files::SourceMap::File& file = analysis.map().files[edits[begin].file];
+    const files::SourceMap::File& file = analysis.map.files[edits[begin].file];
     std::string text;
     std::size_t copied = 0;  // bytes of the old text
     for (const std::uint32_t number = edits[begin].file; begin < edits.size() && edits[begin].file == number; ++begin) {
