@@ -14,6 +14,8 @@
 #include "clients/espalier/forest/layout.h"
 #include "clients/espalier/forest/tree_painting.h"
 #include "clients/espalier/forest/tree_points.h"
+#include "engine/core/elementary.h"
+#include "engine/core/random.h"
 
 namespace espalier::command {
 namespace {
@@ -289,6 +291,64 @@ TEST(ForestLayout, InCompetitionNeighboursHoldEachOtherOff) {
   EXPECT_DOUBLE_EQ(most->size, 1.0);
   EXPECT_GT(least->size, 0.5);  // seedlings grow at 0.7 to 1.3
   EXPECT_LT(least->size, 0.75);
+}
+
+// The seedlings of a competition, and who is left, one pair after the other
+std::set<std::pair<double, double>> survivors(std::size_t count, std::uint64_t seed, bool* areTooFewLeft) {
+  const core::CounterRandom random(seed, 0);
+  std::uint64_t draw = 0;
+  const auto uniform = [&] { return random.uniform(core::DrawDomain::Environment, 3, draw++, 0); };
+  struct Seedling {
+    core::Vec3 position;
+    double growth;
+    double radius;
+  };
+  std::vector<Seedling> alive;
+  for (std::size_t i = 0; i < 4 * count; ++i) {
+    const double radius = std::sqrt(static_cast<double>(count)) * std::sqrt(uniform() / std::numbers::pi);
+    const double angle = 2.0 * std::numbers::pi * uniform();
+    uniform();  // how it is turned
+    alive.push_back({{radius * core::cos(angle), 0.0, radius * core::sin(angle)}, 0.7 + 0.6 * uniform(), 0.0});
+  }
+  while (alive.size() > count) {
+    for (Seedling& seedling : alive) {
+      seedling.radius += 0.02 * seedling.growth;
+    }
+    std::vector<Seedling> next;
+    std::vector<Seedling> dead;
+    for (const Seedling& one : alive) {
+      const bool dies = std::ranges::any_of(alive, [&](const Seedling& other) {
+        return other.radius > one.radius && core::length(other.position - one.position) < other.radius + one.radius;
+      });
+      (dies ? dead : next).push_back(one);
+    }
+    *areTooFewLeft = next.size() < count;
+    std::ranges::stable_sort(dead, std::ranges::greater{}, &Seedling::radius);
+    for (std::size_t i = 0; next.size() < count; ++i) {
+      next.push_back(dead.at(i));
+    }
+    alive = next;
+  }
+  std::set<std::pair<double, double>> places;
+  for (const Seedling& seedling : alive) {
+    places.emplace(seedling.position.x, seedling.position.z);
+  }
+  return places;
+}
+
+TEST(ForestLayout, OfTooManyThatDieAtOnceInACompetitionTheLargestLiveOn) {
+  std::size_t tooFew = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    bool areTooFewLeft = false;
+    const std::set<std::pair<double, double>> expected = survivors(12, seed, &areTooFewLeft);
+    tooFew += areTooFewLeft ? 1 : 0;
+    std::set<std::pair<double, double>> found;
+    for (const TreePlace& place : layoutForest(Spacing::Competition, 12, 1.0, seed)) {
+      found.emplace(place.position.x, place.position.z);
+    }
+    EXPECT_EQ(found, expected) << "seed " << seed;
+  }
+  EXPECT_GT(tooFew, 3U);
 }
 
 }  // namespace
