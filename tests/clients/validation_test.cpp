@@ -40,6 +40,27 @@ TEST(ClosedForms, LightOfAHorizontalLayerIsReflectedAbsorbedOrOnTheGround) {
   EXPECT_NEAR(whole.reflected, half.reflected + half.down * half.down * half.reflected / ways, 1e-12);
 }
 
+TEST(LargestError, IsNoNumberWithoutOneOrWithOneThatIsNone) {
+  LargestError none;
+  EXPECT_FALSE((Row{"", none.value(), 1.0, ""}.isMet()));
+  LargestError some;
+  for (const double error : {0.5, 0.75, 0.25}) {
+    some.add(error);
+  }
+  EXPECT_EQ(some.value(), 0.75);
+  some.add(std::numeric_limits<double>::quiet_NaN());
+  some.add(0.25);
+  EXPECT_FALSE((Row{"", some.value(), 1.0, ""}.isMet()));
+}
+
+TEST(Validation, ComparesNothingWithoutTheTablesOfOthers) {
+  for (const Case& one : forestCases()) {
+    const CaseResult result = one.run([](const std::string&) { return std::optional<std::string>(); });
+    EXPECT_TRUE(result.rows.empty()) << one.name;
+    EXPECT_FALSE(result.missing.empty()) << one.name;
+  }
+}
+
 // of leaves without a preferred side the mean projection over all directions is a half (Ross 1981)
 TEST(ClosedForms, TheMeanOfAllProjectionsIsAHalf) {
   for (const char* leaves :

@@ -21,20 +21,29 @@ struct Fluxes {
 
 /// The largest differences of a group of comparisons.
 struct Largest {
-  double absorbed = 0.0, reflected = 0.0, down = 0.0, balance = 0.0;
+  LargestError absorbed, reflected, down, balance;
 
   void add(const Fluxes& fluxes, double expectedAbsorbed, double expectedReflected, double expectedDown) {
-    absorbed = std::max(absorbed, std::abs(fluxes.byPlants - expectedAbsorbed));
-    reflected = std::max(reflected, std::abs(fluxes.up - expectedReflected));
-    down = std::max(down, std::abs(fluxes.down - expectedDown));
-    balance = std::max(balance, std::abs(fluxes.byPlants + fluxes.up + fluxes.byGround - 1.0));
+    absorbed.add(std::abs(fluxes.byPlants - expectedAbsorbed));
+    reflected.add(std::abs(fluxes.up - expectedReflected));
+    down.add(std::abs(fluxes.down - expectedDown));
+    balance.add(std::abs(fluxes.byPlants + fluxes.up + fluxes.byGround - 1.0));
   }
   void addTo(CaseResult& result, const std::string& what, std::optional<double> tolerance) const {
-    result.rows.push_back({what + ", absorbed", absorbed, tolerance, ""});
-    result.rows.push_back({what + ", reflected", reflected, tolerance, ""});
-    result.rows.push_back({what + ", down at the ground", down, tolerance, ""});
+    result.rows.push_back({what + ", absorbed", absorbed.value(), tolerance, ""});
+    result.rows.push_back({what + ", reflected", reflected.value(), tolerance, ""});
+    result.rows.push_back({what + ", down at the ground", down.value(), tolerance, ""});
   }
 };
+
+/// The largest balance as a row.
+inline void addBalance(CaseResult& result, const std::vector<Largest>& parts) {
+  LargestError balance;
+  for (const Largest& part : parts) {
+    balance.add(part.balance.value());
+  }
+  result.rows.push_back({"balance of light", balance.value(), 1e-3, ""});
+}
 
 /// Leaves and ground in one band.
 struct Band {

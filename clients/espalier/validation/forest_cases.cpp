@@ -153,7 +153,7 @@ CaseResult openForest(const Data& data, const std::string& spheres, const std::s
       result.curves.push_back(std::move(*curve));
     }
   }
-  result.rows.push_back({"balance of light", std::max(high.balance, low.balance), 1e-3, ""});
+  addBalance(result, onlyZenith.empty() ? std::vector{high, low} : std::vector{high});
   return result;
 }
 
@@ -174,11 +174,13 @@ CaseResult openForestsInVoxels(const Data& data) {
   CaseResult result;
   const auto table = ReferenceTable::read(data, "rami4pilps.tsv", result.missing);
   Largest voxels;
+  bool hasCrowns = false;
   for (const std::string spheres : {"80", "239", "398"}) {
     const auto places = ReferenceTable::read(data, "rami_crowns_" + spheres + ".tsv", result.missing);
     if (!table || !places) {
       continue;
     }
+    hasCrowns = true;
     const std::vector<double> densities = densitiesOf(crownsOf(*places), static_cast<int>(kPlot), 16);
     for (const ForestRows& group : forestRows(*table, spheres)) {
       for (std::size_t i = 0; i < group.rows.size() && !isLow(group.zenith); ++i) {
@@ -188,8 +190,11 @@ CaseResult openForestsInVoxels(const Data& data) {
       }
     }
   }
+  if (!hasCrowns) {
+    return result;
+  }
   voxels.addTo(result, "27 and 60 degrees and diffuse, published", 0.020);
-  result.rows.push_back({"balance of light", voxels.balance, 1e-3, ""});
+  addBalance(result, {voxels});
   return result;
 }
 

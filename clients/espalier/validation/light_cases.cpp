@@ -68,7 +68,7 @@ CaseResult layers(const std::vector<LayerRow>& rows, bool isHorizontal) {
   }
   voxels.addTo(result, "light-voxels", 0.005);
   rays.addTo(result, "light, 40000 leaves", 0.010);
-  result.rows.push_back({"balance of light", std::max(voxels.balance, rays.balance), 1e-3, ""});
+  addBalance(result, {voxels, rays});
   return result;
 }
 
@@ -106,8 +106,8 @@ CaseResult sphericalLayers(const Data& data) {
 
 CaseResult blackLayers(const Data&) {
   CaseResult result;
-  double beams = 0.0;
-  double skies = 0.0;
+  LargestError beams;
+  LargestError skies;
   const auto compare = [&](const std::string& leaves, double ratio, const std::string& light, double index) {
     const bool isBeam = light.starts_with("zenith");
     std::string text = R"({"voxelSize":1,"position":[0,0,0],"periodic":true,"gridSize":[1,10,1],"leafAngles":")" +
@@ -121,7 +121,7 @@ CaseResult blackLayers(const Data&) {
     }
     const double passed = runProcess("light-voxels", text, queriesAt({{}}, {0.0})).replies.values[0];
     const double error = std::abs(passed - passedBlackLeaves(leaves, ratio, light, index));
-    (isBeam ? beams : skies) = std::max(isBeam ? beams : skies, error);
+    (isBeam ? beams : skies).add(error);
   };
   for (const double index : {1.0, 3.0}) {
     for (const std::string leaves : {"horizontal", "vertical", "spherical", "planophile", "erectophile", "plagiophile",
@@ -140,7 +140,7 @@ CaseResult blackLayers(const Data&) {
       compare(leaves, 1.0, "overcast", index);
     }
   }
-  result.rows = {{"light-voxels, beams", beams, 1e-6, ""}, {"light-voxels, skies", skies, 2e-3, ""}};
+  result.rows = {{"light-voxels, beams", beams.value(), 1e-6, ""}, {"light-voxels, skies", skies.value(), 2e-3, ""}};
   return result;
 }
 
@@ -232,15 +232,15 @@ CaseResult sunPositions(const Data& data) {
   if (!table) {
     return result;
   }
-  double error = 0.0;
+  LargestError error;
   for (std::size_t row = 0; row < table->rowCount(); ++row) {
     const environment::SunPosition sun =
-        environment::sunPosition(environment::julianDayOf(table->text(row, "universal_time")).value_or(0.0),
+        environment::sunPosition(environment::julianDayOf(table->text(row, "universal_time")).value_or(NAN),
                                  table->number(row, "latitude"), table->number(row, "longitude"));
-    error = std::max({error, std::abs(sun.elevationRadians * 180.0 / pi - table->number(row, "elevation")),
-                      std::abs(sun.azimuthRadians * 180.0 / pi - table->number(row, "azimuth"))});
+    error.add(std::abs(sun.elevationRadians * 180.0 / pi - table->number(row, "elevation")));
+    error.add(std::abs(sun.azimuthRadians * 180.0 / pi - table->number(row, "azimuth")));
   }
-  result.rows.push_back({"azimuth and elevation, degrees", error, 0.02, ""});
+  result.rows.push_back({"azimuth and elevation, degrees", error.value(), 0.02, ""});
   return result;
 }
 

@@ -43,7 +43,7 @@ CaseResult singleRoot(const Data&) {
                                         SingleRoot{50, 0.05, 0.00432, 0.00173, -200, -1000},
                                         SingleRoot{20, 0.02, 0.0004, 0.00411, -3000, -8000}};
   for (std::size_t k = 0; k < roots.size(); ++k) {
-    double worst = 0.0;
+    LargestError worst;
     Curve ours{"parameters " + std::to_string(k + 1), false, {}};
     Curve theirs{ours.name + ", closed form", true, {}};
     for (const std::uint32_t parts : {1U, 10U, 500U}) {
@@ -51,7 +51,7 @@ CaseResult singleRoot(const Data&) {
       for (std::uint32_t i = 0; i <= parts; ++i) {
         const double depth = roots[k].length * i / parts;
         const double expected = headOf(roots[k], depth);
-        worst = std::max(worst, std::abs(flow.heads[i] / expected - 1.0));
+        worst.add(std::abs(flow.heads[i] / expected - 1.0));
         if (parts == 500) {
           ours.points.emplace_back(depth, flow.heads[i]);
           theirs.points.emplace_back(depth, expected);
@@ -59,7 +59,8 @@ CaseResult singleRoot(const Data&) {
       }
     }
     result.rows.push_back({"parameters " + std::to_string(k + 1) + ", heads with 1, 10 and 500 segments, relative",
-                           worst, 1e-6, k == 0 ? "DuMux 3.0e-4, OpenSimRoot 5.5e-4, R-SWMS 5.5e-5, SRI 2.6e-4" : ""});
+                           worst.value(), 1e-6,
+                           k == 0 ? "DuMux 3.0e-4, OpenSimRoot 5.5e-4, R-SWMS 5.5e-5, SRI 2.6e-4" : ""});
     result.across = "depth, cm";
     result.up = "head in the xylem, cm";
     result.curves.push_back(std::move(ours));
@@ -71,14 +72,14 @@ CaseResult singleRoot(const Data&) {
 CaseResult conductance(const Data&) {
   // √(2πa kr kx) tanh(√(2πa kr/kx) L), without gravity (Landsberg & Fowkes 1978)
   CaseResult result;
-  double worst = 0.0;
+  LargestError worst;
   for (const double length : {0.01, 1.0, 50.0, 4000.0}) {
     const double c = 2.0 * std::numbers::pi * 0.05 * 0.00173;
     const double expected = std::sqrt(c * 0.00432) * std::tanh(std::sqrt(c / 0.00432) * length);
     const auto flow = straightRoot({length, 0.05, 0.00432, 0.00173, 0.0, -1.0}, 3).solve({.head = -1.0});
-    worst = std::max(worst, std::abs(flow.conductances[0] / expected - 1.0));
+    worst.add(std::abs(flow.conductances[0] / expected - 1.0));
   }
-  result.rows.push_back({"roots of 0.01 to 4000 cm, relative", worst, 1e-9, ""});
+  result.rows.push_back({"roots of 0.01 to 4000 cm, relative", worst.value(), 1e-9, ""});
   return result;
 }
 
@@ -94,14 +95,14 @@ CaseResult rootSystem(const Data& data) {
     const std::string name = isAlternative ? "joins of DuMux and R-SWMS" : "joins of the reference";
     const HydraulicTree tree = treeOf(*roots, "parent" + join, {.kx = 0.0432, .kr = 1.728e-4, .soilHead = -200.0});
     const auto flow = tree.solve({.head = -500.0});
-    double worst = 0.0;
+    LargestError worst;
     double uptake = 0.0;
     for (std::size_t i = 0; i < roots->rowCount(); ++i) {
-      worst = std::max(worst, std::abs(flow.heads[i] - roots->number(i, "head_a" + join)));
+      worst.add(std::abs(flow.heads[i] - roots->number(i, "head_a" + join)));
       uptake += flow.uptakes[i];
     }
-    result.rows.push_back(
-        {name + ", heads of all nodes, cm", worst, 0.01, "nRMSE: DuMux 2e-6, R-SWMS 0.0019, SRI 0.008 at most"});
+    result.rows.push_back({name + ", heads of all nodes, cm", worst.value(), 0.01,
+                           "nRMSE: DuMux 2e-6, R-SWMS 0.0019, SRI 0.008 at most"});
     result.rows.push_back(
         {name + ", uptake against collar flow, relative", std::abs(uptake / flow.collarFlows[0] - 1.0), 1e-10, ""});
     result.rows.push_back({name + ", collar flow against the published one, cm3/day",
@@ -120,11 +121,11 @@ CaseResult rootSystem(const Data& data) {
           }
         }
       }
-      double most = 0.0;
+      LargestError most;
       for (std::size_t row = 0; row < found.size(); ++row) {
-        most = std::max(most, std::abs(found[row] - fractions->number(row, "fraction")));
+        most.add(std::abs(found[row] - fractions->number(row, "fraction")));
       }
-      result.rows.push_back({"standard uptake fractions by depth", most, 1e-4, ""});
+      result.rows.push_back({"standard uptake fractions by depth", most.value(), 1e-4, ""});
     }
   }
   if (const auto ages = ReferenceTable::read(data, "root_conductivities.tsv", result.missing)) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -18,6 +20,20 @@ struct Row {
   std::string published;            // errors of other programs in the same comparison, or empty
 
   [[nodiscard]] bool isMet() const { return !tolerance || error <= *tolerance; }
+};
+
+/// The largest of some errors. Not a number when there is none, or when one of them is not a number: nothing was shown.
+class LargestError {
+ public:
+  void add(double error) {
+    value_ = isEmpty_ || error > value_ || std::isnan(error) ? error : value_;
+    isEmpty_ = false;
+  }
+  [[nodiscard]] double value() const { return value_; }
+
+ private:
+  double value_ = std::numeric_limits<double>::quiet_NaN();
+  bool isEmpty_ = true;
 };
 
 /// A line of a picture of the results.
