@@ -67,6 +67,7 @@ export class View {
   private first: Vector3 | null = null; // the direction to the viewer at the beginning
   private hasBackground = true;
   private isDrawing = false;
+  private readonly size = new Vector2(); // of the element
   private isTurned = false; // by a person, who does not want it turned back
   private other: Object3D | null = null; // an object of a file instead of the columns
   private partner: View | null = null; // it is looked at from the same place
@@ -267,11 +268,18 @@ export class View {
 
   private resize(): void {
     const { clientWidth, clientHeight } = this.element;
-    if (clientWidth > 0 && clientHeight > 0) {
+    const { x, y } = this.size;
+    if (clientWidth > 0 && clientHeight > 0 && (clientWidth !== x || clientHeight !== y)) {
+      this.size.set(clientWidth, clientHeight);
       this.camera.aspect = clientWidth / clientHeight;
       this.camera.updateProjectionMatrix();
       this.renderer.setSize(clientWidth, clientHeight);
-      this.drawNow();
+      // another size empties the canvas; in the beginning there is nothing to draw
+      if (x > 0) {
+        this.drawNow();
+      } else {
+        this.draw();
+      }
     }
   }
 
