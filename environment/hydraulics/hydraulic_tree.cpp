@@ -8,6 +8,13 @@
 
 namespace espalier::environment {
 
+namespace {
+
+/// A head far below all others.
+constexpr double kFarBelow = -1e12;
+
+}  // namespace
+
 HydraulicTree::Segment HydraulicTree::segmentOf(const Node& node) {
   Segment segment{.demand = node.demand, .demandByHead = node.demandByHead};
   if (node.parent == kNoParent) {
@@ -116,8 +123,15 @@ HydraulicTree::Result HydraulicTree::solve(std::span<const Collar> plants, const
     if (isFlowGiven) {
       // a plant without any way for water in or out of the soil keeps the lowest head
       head = slopes[plant] < 0.0 ? (collar.flow - result.collarFlows[plant]) / slopes[plant] : collar.lowestHead;
-      isFlowGiven = head > collar.lowestHead;
-      head = std::max(head, collar.lowestHead);
+      // a collar that gives nothing off has no lowest head: water does not enter there
+      const double lowest = collar.flow > 0.0 || !(slopes[plant] < 0.0) ? collar.lowestHead : kFarBelow;
+      isFlowGiven = head > lowest;
+      head = std::max(head, lowest);
+      if (!isFlowGiven && collar.flow > 0.0 && result.collarFlows[plant] + slopes[plant] * head < 0.0) {
+        // soil and leaves are drier than the lowest head: nothing goes out, and no water comes in from outside
+        head = -result.collarFlows[plant] / slopes[plant];
+        isFlowGiven = true;
+      }
     }
     collarHeads.push_back(head);
     result.isFlowGiven.push_back(isFlowGiven ? 1 : 0);

@@ -51,7 +51,8 @@ LeafExchange leafExchange(const Air& air, double netRadiation, double boundaryCo
 double boundaryConductance(double width, double wind) {
   constexpr double kViscosity = 1.51e-5;    // of air at 20 °C, m²/s
   constexpr double kDiffusivity = 2.14e-5;  // of heat in it, m²/s
-  const double reynolds = wind * width / kViscosity;
+  constexpr double kLeastWind = 0.1;        // m/s: beside a warm leaf calm air moves by itself
+  const double reynolds = std::max(wind, kLeastWind) * width / kViscosity;
   return 2.0 * 0.664 * kDiffusivity / width * std::sqrt(reynolds) * core::pow(kViscosity / kDiffusivity, 1.0 / 3.0);
 }
 

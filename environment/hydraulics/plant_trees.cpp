@@ -31,7 +31,7 @@ PlantTrees::PlantTrees(const turtle::Geometry& geometry, double join) : join_(jo
               .plant = geometry.segments.plant[i],
               .module = geometry.segments.module[i],
               .order = geometry.segments.branchOrder[i] + 1,
-              .radius = 0.25 * (geometry.startWidth[i] + geometry.endWidth[i])};
+              .radius = 0.5 * geometry.endWidth[i]};
     std::uint32_t parent = find(node.plant, node.module, node.place);
     if (parent == kNone) {
       parent = static_cast<std::uint32_t>(nodes_.size());

@@ -23,7 +23,7 @@ class PlantTrees {
     std::uint32_t plant = 0;
     std::uint64_t module = 0;  // index of the module that drew the segment; of a collar 0
     std::uint32_t order = 1;   // of the branch as drawn, from 1
-    double radius = 0.0;       // half the mean of the widths at both ends
+    double radius = 0.0;       // half the width at the end, which the model set for the segment
   };
 
   /// `join` is the distance within which a start meets a point; 0: the same numbers. Segments without length are left

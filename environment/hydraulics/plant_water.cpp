@@ -17,6 +17,18 @@ constexpr double kTolerance = 1e-10;         // of the flow, and of kx
 constexpr double kRoundingTolerance = 1e-6;  // of what does not become better
 constexpr double kRounding = 1e-13;          // of heads, where flows nearly cancel
 
+/// What leaves ask for beyond what roots can take, at any head: it would come in at collars that give nothing off.
+double missingWater(const HydraulicTree::Result& flow, std::span<const HydraulicTree::Collar> plants) {
+  double missing = 0.0;
+  for (std::size_t plant = 0; plant < flow.collarFlows.size(); ++plant) {
+    const HydraulicTree::Collar& collar = plants[plants.size() == 1 ? 0 : plant];
+    if (!collar.hasHead && flow.isFlowGiven[plant] == 0) {
+      missing += std::max(std::min(collar.flow, 0.0) - flow.collarFlows[plant], 0.0);
+    }
+  }
+  return missing;
+}
+
 }  // namespace
 
 PlantWater::PlantWater(HydraulicTree tree, const Leaves& leaves, const Vessels& vessels)
@@ -288,6 +300,11 @@ tl::expected<PlantWater::Result, double> PlantWater::solve(std::span<const Hydra
     least = std::min(least, error);
     // what rounding leaves does not become smaller
     if (isLinear || error <= kTolerance || (error <= kRoundingTolerance && idle >= 4)) {
+      const double missing = missingWater(result.flow, plants);
+      if (missing > kRoundingTolerance * all) {
+        error = missing / all;
+        break;
+      }
       return result;
     }
   }

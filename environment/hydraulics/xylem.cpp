@@ -32,9 +32,17 @@ namespace {
 using core::Vec3;
 using Collar = HydraulicTree::Collar;
 
-// a head far below all others
-constexpr double kLowest = -1e12;
 constexpr std::size_t kMostNodes = std::size_t{1} << 25;
+
+/// The time of the day at the start, days after midnight: of the mean sun where the longitude is known, else as the
+/// start is written.
+double clockOf(const turtle::World& world) {
+  const std::size_t time = world.start.find_first_of("T ");
+  const std::string local = world.start.substr(0, world.start.find_first_of("Z+-", std::min(time, world.start.size())));
+  const auto day = turtle::julianDayOf(world.longitudeDegrees ? world.start : local);
+  const double midnights = day.value_or(0.5) + 0.5 + (day ? world.longitudeDegrees.value_or(0.0) / 360.0 : 0.0);
+  return midnights - std::floor(midnights);
+}
 
 /// What queries say about the segment before them.
 struct SegmentTraits {
@@ -123,6 +131,7 @@ class Xylem final : public turtle::EnvironmentProcess {
     keys_.leafGas.growthHead /= keys_.leafGas.hasOwnGrowthHead ? 1.0 : metres;
     metres_ = metres;
     world_ = context.world;
+    clock_ = clockOf(context.world);
     axialUnit_ = keys_.hasOwnAxial ? 1.0 : 1.0 / (metres * metres * metres);
     return soil_ ? soil_->open("xylem", context.world) : std::nullopt;
   }
@@ -375,6 +384,11 @@ class Xylem final : public turtle::EnvironmentProcess {
       for (double part = 0.0; part < parts; part += 1.0) {
         const Vec3 middle = start + way * ((part + 0.5) / parts);
         node.radialConductivity = heightOf(middle) <= keys_.groundHeight ? radial : 0.0;
+        if (node.radialConductivity > 0.0 && !(node.radius > 0.0)) {
+          return tl::unexpected(failure("needs the radius of segments, and one of plant " + std::to_string(from.plant) +
+                                        " in the soil, drawn by module " + std::to_string(from.module) +
+                                        ", has the width 0. Give the key 'radius', or draw roots with a width."));
+        }
         node.soilHead = profileAt(heightOf(middle));
         node.demand = part + 1.0 == parts ? traits[i].demand : 0.0;
         plants.nodes.push_back(node);
@@ -399,7 +413,9 @@ class Xylem final : public turtle::EnvironmentProcess {
     }
     const double turn = 2.0 * std::numbers::pi;
     const double days = until - from;
-    return rate * (1.0 - (core::sin(turn * until) - core::sin(turn * from)) / (turn * days));
+    const double begin = turn * (clock_ + from);
+    const double end = turn * (clock_ + until);
+    return rate * (1.0 - (core::sin(end) - core::sin(begin)) / (turn * days));
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> passTime(double timeDays, const PlantTrees& trees,
@@ -420,11 +436,8 @@ class Xylem final : public turtle::EnvironmentProcess {
       for (const double asked : wanted) {
         const double rate = keys_.transpiration.at(0.5 * (from + until)) + asked;
         const double flow = transpirationBetween(rate, from, until);
-        // a collar that gives nothing off has no lowest head: water does not enter there
-        conditions.push_back({.hasHead = keys_.hasCollarHead,
-                              .head = keys_.collarHead,
-                              .flow = flow,
-                              .lowestHead = flow > 0.0 ? keys_.lowestHead : kLowest});
+        conditions.push_back(
+            {.hasHead = keys_.hasCollarHead, .head = keys_.collarHead, .flow = flow, .lowestHead = keys_.lowestHead});
       }
       return conditions;
     };
@@ -436,7 +449,8 @@ class Xylem final : public turtle::EnvironmentProcess {
       const auto problem = uptake.passTime(days_, keys_.limits, collars, sums);
       return problem
                  ? std::optional(failure(*problem + ". Use shorter steps ('longestStep'), larger cells, or a higher "
-                                                    "'lowestHead'."))
+                                                    "'lowestHead'; leaves that close ('closingHeads') never ask for "
+                                                    "more than there is."))
                  : std::nullopt;
     }
     const bool changes = keys_.changesInTime || (hasStomata() && world_.weather);
@@ -445,9 +459,10 @@ class Xylem final : public turtle::EnvironmentProcess {
       const double from = timeDays + part / count * days_;
       const auto result = water.solve(collars(from, from + days_ / count));
       if (!result) {
-        return failure("finds no heads that fit flow, leaves and vessels: the residual is " +
-                       numberText(result.error()) +
-                       " of the flow. Widen 'closingHeads', or use a smaller 'vulnerabilityShape' or 'stomataShape'.");
+        return failure(
+            "finds no heads that fit flow, leaves and vessels: the residual is " + numberText(result.error()) +
+            " of the flow. Widen 'closingHeads' (without them leaves may ask for more than there is), or use a "
+            "smaller 'vulnerabilityShape' or 'stomataShape'.");
       }
       sums.add(*result, water.nodes(), days_ / count);
     }
@@ -505,6 +520,7 @@ class Xylem final : public turtle::EnvironmentProcess {
   std::optional<SoilBody> soil_;
   Vec3 up_{0.0, 1.0, 0.0};
   double days_ = 1.0;       // of a step
+  double clock_ = 0.0;      // time of the day at the start, days after midnight
   double axialUnit_ = 1.0;  // what kx is multiplied by
   double metres_ = 1.0;     // of the length unit
   turtle::World world_;

@@ -122,7 +122,7 @@ constexpr std::array kWaterKeys{
                      .minimumCount = 3,
                      .maximumCount = 3},
     ConfigurationKey{.name = "radius",
-                     .description = "radius of all segments; 0: half the width that the plant draws",
+                     .description = "radius of all segments; 0: half the width that the model sets for the segment",
                      .unit = "length",
                      .minimum = 0.0},
     ConfigurationKey{.name = "join",

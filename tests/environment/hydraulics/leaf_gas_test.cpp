@@ -76,6 +76,8 @@ TEST(LeafGas, TheBoundaryLayerIsThatOfALaminarPlate) {
   // Pohlhausen 1921: Nu = 0.664 Re^½ Pr^⅓; 5 cm along 1 m/s: Re = 3311, Pr = 0.7056, Nu = 34.0, both sides
   EXPECT_NEAR(boundaryConductance(0.05, 1.0), 2.0 * 34.0 * 2.14e-5 / 0.05, 2e-4);
   EXPECT_NEAR(boundaryConductance(0.05, 4.0) / boundaryConductance(0.05, 1.0), 2.0, 1e-12);
+  // calm air carries heat away too
+  EXPECT_EQ(boundaryConductance(0.05, 0.0), boundaryConductance(0.05, 0.1));
 }
 
 }  // namespace

@@ -304,9 +304,85 @@ TEST(Xylem, AStepWithoutSolutionIsAnErrorAndChangesNothing) {
   const std::string error = errorOf(*process, RootDrawing().root({0, 0, 0}, 7, 5, 0.1, kTen).queries());
   EXPECT_EQ(error.find("Environment 'xylem' finds no uptake that fits soil and plants on day 0: the residual is "), 0U)
       << error;
-  EXPECT_NE(error.find(". Use shorter steps ('longestStep'), larger cells, or a higher 'lowestHead'."),
+  EXPECT_NE(error.find(". Use shorter steps ('longestStep'), larger cells, or a higher 'lowestHead'; leaves that "),
             std::string::npos);
   EXPECT_EQ(process->save(), before);
+}
+
+TEST(Xylem, APlantInSoilDrierThanItsLowestHeadGivesNothingOffAndTakesNothingInFromOutside) {
+  // the collar is closed at the soil's head; at 'lowestHead' water would come in
+  const auto alone =
+      openProcess("xylem", R"({"transpiration":[[0,0.01]],"lowestHead":-15000,"soilHead":-20000,"kr":0.001,"kx":0.05})",
+                  centimetres());
+  const auto rows = answersOf(*alone, RootDrawing().root({0, 0, 0}, 10, 4, 0.1, kTen).queries());
+  EXPECT_NEAR(*rows[0][kCollarFlow], 0.0, 1e-9);
+  EXPECT_NEAR(*rows[0][kExchange] + *rows[1][kExchange] + *rows[2][kExchange] + *rows[3][kExchange], 0.0, 1e-9);
+  EXPECT_LT(*rows[0][kCollarHead], -19'900.0);
+  // and with what the lowest head gives, above it
+  const auto wetter =
+      openProcess("xylem", R"({"transpiration":[[0,0.01]],"lowestHead":-15000,"soilHead":-14993,"kr":0.001,"kx":0.05})",
+                  centimetres());
+  const auto some = answersOf(*wetter, RootDrawing().root({0, 0, 0}, 10, 4, 0.1, kTen).queries());
+  EXPECT_EQ(*some[0][kCollarHead], -15'000.0);
+  EXPECT_GT(*some[0][kCollarFlow], 0.0);
+  EXPECT_LT(*some[0][kCollarFlow], 0.01);
+}
+
+TEST(Xylem, LeavesThatAskForMoreThanTheSoilHasEndTheStep) {
+  std::vector<double> leaf(10, 0.0);
+  leaf[2] = 5.0;
+  const auto drawing = [&] {
+    return RootDrawing().root({0, 0, 0}, 8, 3, 0.1, kTen).segment({0, 0, 0}, {0, 10, 0}, 0.2, leaf).queries();
+  };
+  const std::string soil =
+      R"("rhizosphere":true,"soil":[{"type":"soil-water","gridSize":[1,8,1],"cellSize":[4,1,4],"position":[-2,-8,-2],)" +
+      kLoamLayers + R"(,"initialHead":-5000,"bottom":"closed"}])";
+  const auto process = openProcess("xylem", "{" + soil + "}", centimetres(0.1));
+  const std::string before = process->save();
+  const std::string error = errorOf(*process, drawing());
+  EXPECT_EQ(error.find("Environment 'xylem' finds no uptake that fits soil and plants on day 0: the residual is "), 0U)
+      << error;
+  EXPECT_NE(error.find("closingHeads"), std::string::npos);
+  EXPECT_EQ(process->save(), before);
+  // leaves that close are content with what there is
+  const auto closing =
+      answersOf(*openProcess("xylem", R"({"closingHeads":[-5000,-15000],)" + soil + "}", centimetres(0.1)), drawing());
+  EXPECT_NEAR(*closing[3][kCollarFlow], 0.0, 1e-9);
+}
+
+TEST(Xylem, TheCourseOfTheDayBeginsAtTheHourOfTheStart) {
+  const auto flowAt = [](const std::string& start, std::optional<double> longitude) {
+    turtle::EnvironmentContext context = centimetres(1.0 / 24.0);
+    context.world.start = start;
+    context.world.longitudeDegrees = longitude;
+    const auto process = openProcess("xylem", R"({"transpiration":[[0,0.01]],"dayCourse":true,"kr":0.001})", context);
+    return *answersOf(*process, RootDrawing().root({0, 0, 0}, 10, 2, 0.1, kTen).queries())[0][kCollarFlow];
+  };
+  // the mean of 1 - cos 2πt over the hour
+  const auto expected = [](double hour) {
+    const double turn = 2.0 * std::numbers::pi / 24.0;
+    return 0.01 * (1.0 - (std::sin(turn * (hour + 1.0)) - std::sin(turn * hour)) / turn);
+  };
+  EXPECT_NEAR(flowAt("", std::nullopt), expected(0.0), 1e-12);
+  EXPECT_NEAR(flowAt("2026-06-21", std::nullopt), expected(0.0), 1e-10);
+  EXPECT_NEAR(flowAt("2026-06-21T12:00", std::nullopt), expected(12.0), 1e-9);
+  EXPECT_NEAR(flowAt("2026-06-21T06:00+02:00", std::nullopt), expected(6.0), 1e-9);
+  // where the longitude is known, the hour of the sun
+  EXPECT_NEAR(flowAt("2026-06-21T06:00+02:00", 30.0), expected(6.0), 1e-9);
+  EXPECT_NEAR(flowAt("2026-06-21T06:00Z", -45.0), expected(3.0), 1e-9);
+}
+
+TEST(Xylem, ASegmentHasTheRadiusThatItsWidthSays) {
+  // `!(0.1)F(5)!(0.04)F(5)` is drawn with a cone, whose start has the width of the segment before
+  const auto rows = [](double startWidth) {
+    auto queries =
+        RootDrawing().segment({0, 0, 0}, {0, -5, 0}, 0.1, kTen).segment({0, -5, 0}, {0, -10, 0}, 0.04, kTen).queries();
+    auto geometry = std::make_shared<turtle::Geometry>(*queries.geometry);
+    geometry->startWidth[1] = startWidth;
+    queries.geometry = geometry;
+    return answersOf(*openProcess("xylem", R"({"transpiration":[[0,0.01]],"kr":0.001})", centimetres()), queries);
+  };
+  EXPECT_EQ(rows(0.04), rows(0.1));
 }
 
 TEST(Xylem, RootsCarryWaterFromWetToDrySoilAtNight) {
