@@ -19,6 +19,8 @@ namespace {
 
 /// Of a sun lower than this, 2.9°, measured light counts as the sky's: the quotient would be large and uncertain.
 constexpr double kLowestSine = 0.05;
+/// Of a longer span so many days stand for all.
+constexpr std::int64_t kMostDays = 400;
 
 }  // namespace
 
@@ -41,13 +43,17 @@ std::optional<std::string> Daylight::open(const turtle::World& world) {
   if (sun_ == "position") {
     const std::string& own = configuration_.text("start");
     const auto start = julianDayOf(own.empty() ? world.start : own);
-    if (!start || (own.empty() && !world.latitudeDegrees)) {
+    // each of the three is the process's own or the world's
+    const auto placeOf = [this](const char* key, std::optional<double> ofWorld) {
+      return configuration_.isGiven(key) || !ofWorld ? configuration_.number(key) : *ofWorld;
+    };
+    if (!start || (!configuration_.isGiven("latitude") && !world.latitudeDegrees && own.empty())) {
       return "needs to know where and when it is for the position of the sun: set 'latitude', 'longitude' and "
              "'start', here or in the world (\"2026-06-21T12:00\" in universal time, or with an offset: +02:00).";
     }
     startDay_ = *start;
-    latitude_ = own.empty() ? *world.latitudeDegrees : configuration_.number("latitude");
-    longitude_ = own.empty() ? world.longitudeDegrees.value_or(0.0) : configuration_.number("longitude");
+    latitude_ = placeOf("latitude", world.latitudeDegrees);
+    longitude_ = placeOf("longitude", world.longitudeDegrees);
     north_ = core::normalised(world.north - up_ * core::dot(world.north, up_));
   } else if (sun_ == "direction") {
     const auto& direction = configuration_.numbers("sunDirection");
@@ -90,30 +96,82 @@ tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays, cons
     }
     return incoming;
   }
-  const auto samples = static_cast<int>(configuration_.integer("sunSamples"));
-  for (int i = 0; i < samples; ++i) {
-    const double day = startDay_ + timeDays + stepDays_ * (i + 0.5) / samples;
-    const SunPosition position = sunPosition(day, latitude_, longitude_);
-    const double sine = core::sin(position.elevationRadians);
-    const Vec3 direction = sunDirection(position, up_, north_);
-    if (hasMeasured_) {
-      const auto radiation =
-          measured(timeDays + stepDays_ * i / samples, timeDays + stepDays_ * (i + 1) / samples, sine);
-      if (!radiation) {
-        return tl::unexpected(radiation.error());
-      }
-      if (radiation->direct > 0.0) {
-        addSun(direction, radiation->direct / samples, incoming);
-      }
-      addSky(directions, sine > kLowestSine ? direction : up_, radiation->diffuse / samples, incoming);
-    } else if (sine > 1e-3) {
-      const double passed = core::pow(configuration_.number("atmosphere"), 1.0 / sine);
-      const double outside = solarIrradiance(day) / samples;
-      addSun(direction, outside * passed, incoming);
-      addSky(directions, direction, 0.3 * (1.0 - passed) * outside * sine, incoming);
+  const double whole = std::floor(stepDays_);
+  if (stepDays_ <= 1.0) {
+    if (auto problem = addHours({timeDays, stepDays_, 1, 1.0}, directions, incoming)) {
+      return tl::unexpected(std::move(*problem));
     }
+    return incoming;
+  }
+  // the hours of all whole days, then what is left of a day
+  std::optional<std::string> problem =
+      addHours({timeDays, 1.0, static_cast<std::int64_t>(whole), whole / stepDays_}, directions, incoming);
+  if (!problem && stepDays_ - whole > 1e-9) {
+    problem = addHours({timeDays + whole, stepDays_ - whole, 1, 1.0 - whole / stepDays_}, directions, incoming);
+  }
+  if (problem) {
+    return tl::unexpected(std::move(*problem));
   }
   return incoming;
+}
+
+/// Adds the light of a span of days, a part of the step: a sun and a sky for each part of the day, those of all days
+/// as one.
+std::optional<std::string> Daylight::addHours(const Span& span, const RayDirections& directions,
+                                              Incoming& incoming) const {
+  const auto samples = static_cast<int>(configuration_.integer("sunSamples"));
+  const auto days = std::min<std::int64_t>(span.days, kMostDays);
+  for (int i = 0; i < samples; ++i) {
+    Vec3 sun;  // of several days: the sum of the directions, each as long as its direct light
+    Vec3 sky;  // the same with diffuse light
+    double ofSky = 0.0;
+    for (std::int64_t k = 0; k < days; ++k) {
+      const double first =
+          span.begin + (days == span.days ? static_cast<double>(k)
+                                          : std::floor(static_cast<double>(span.days) * (static_cast<double>(k) + 0.5) /
+                                                       static_cast<double>(days)));
+      const double day = startDay_ + first + span.length * (i + 0.5) / samples;
+      const SunPosition position = sunPosition(day, latitude_, longitude_);
+      const double sine = core::sin(position.elevationRadians);
+      const Vec3 direction = sunDirection(position, up_, north_);
+      Radiation radiation;
+      if (hasMeasured_) {
+        const auto read = measured(first + span.length * i / samples, first + span.length * (i + 1) / samples, sine);
+        if (!read) {
+          return read.error();
+        }
+        radiation = {read->direct / samples, read->diffuse / samples};
+      } else if (sine > 1e-3) {
+        const double passed = core::pow(configuration_.number("atmosphere"), 1.0 / sine);
+        const double outside = solarIrradiance(day) / samples;
+        radiation = {outside * passed, 0.3 * (1.0 - passed) * outside * sine};
+      }
+      const double part = span.part / static_cast<double>(days);
+      const double direct = radiation.direct * part;
+      const double diffuse = radiation.diffuse * part;
+      const Vec3& middle = hasMeasured_ && !(sine > kLowestSine) ? up_ : direction;
+      if (days > 1) {
+        sun = sun + direction * direct;
+        sky = sky + middle * diffuse;
+        ofSky += diffuse;
+      } else {
+        if (direct > 0.0) {
+          addSun(direction, direct, incoming);
+        }
+        if (diffuse > 0.0) {
+          addSky(directions, middle, diffuse, incoming);
+        }
+      }
+    }
+    // what all suns of this hour give a horizontal plane, the one sun gives it too
+    if (core::length(sun) > 0.0) {
+      addSun(core::normalised(sun), core::length(sun), incoming);
+    }
+    if (ofSky > 0.0) {
+      addSky(directions, core::normalised(sky), ofSky, incoming);
+    }
+  }
+  return std::nullopt;
 }
 
 tl::expected<Daylight::Radiation, std::string> Daylight::measured(double from, double to, double sine) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <tl/expected.hpp>
@@ -42,6 +43,15 @@ class Daylight {
   };
   /// From two of the weather's global, direct and diffuse radiation; `sine` is that of the sun's elevation.
   [[nodiscard]] tl::expected<Radiation, std::string> measured(double from, double to, double sine) const;
+  /// Days of a step at the same hours.
+  struct Span {
+    double begin = 0.0;     // days after the start
+    double length = 1.0;    // of each day that is looked at
+    std::int64_t days = 1;  // one after the other
+    double part = 1.0;      // of the step
+  };
+  [[nodiscard]] std::optional<std::string> addHours(const Span& span, const RayDirections& directions,
+                                                    Incoming& incoming) const;
   void addSun(const core::Vec3& direction, double irradiance, Incoming& incoming) const;
   void addSky(const RayDirections& directions, const core::Vec3& sun, double irradiance, Incoming& incoming) const;
 

@@ -332,9 +332,19 @@ class LightVoxels final : public turtle::EnvironmentProcess {
         kLeafAngleNames.begin());
   }
 
+  [[nodiscard]] static turtle::EnvironmentError fromBelow() {
+    return {
+        "Environment 'light-voxels' takes light from above only: in 'directions' every direction must be above the "
+        "horizon and no weight below 0.",
+        false};
+  }
+
   [[nodiscard]] std::optional<turtle::EnvironmentError> makeBeams(const Vec3& up) {
     std::vector<LightDirection> lights;
     for (const auto& row : configuration_.rows("directions")) {
+      if (row[3] < 0.0) {
+        return fromBelow();
+      }
       lights.push_back({{row[0], row[1], row[2]}, row[3]});
     }
     if (lights.empty()) {
@@ -350,11 +360,8 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     directions_.clear();
     for (const LightDirection& light : lights) {
       const double cosine = core::dot(light.direction, up);
-      if (!(cosine > 1e-6) || light.weight < 0.0) {
-        return turtle::EnvironmentError{
-            "Environment 'light-voxels' takes light from above only: in 'directions' every direction must be above the "
-            "horizon and no weight below 0.",
-            false};
+      if (!(cosine > 1e-6)) {
+        return fromBelow();
       }
       directions_.push_back(light.direction);
       const double projection = leafProjection(angles, cosine, configuration_.number("ellipsoidRatio"));

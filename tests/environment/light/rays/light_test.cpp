@@ -145,6 +145,48 @@ TEST(Light, TheSunOfADayIsItsMean) {
   EXPECT_EQ(answersOf(*winter, QueryBuilder().add({0, 0, 0}, {0, 0, 0}).batch())[0][2], 0.0);
 }
 
+TEST(Light, TheSunOfALongStepIsTheMeanOfItsDays) {
+  const auto horizontal = [](double days, const std::string& start) {
+    turtle::EnvironmentContext context;
+    context.world.latitudeDegrees = 51;
+    context.world.longitudeDegrees = 0;
+    context.world.start = start;
+    context.world.stepDurationDays = days;
+    const auto process = openProcess("light", R"({"sun":"position"})", context);
+    return *answersOf(*process, QueryBuilder().add({0, 0, 0}, {0, 0, 0, 0}).batch())[0][2];
+  };
+  // 24 samples of 24 days would all be at the same hour
+  double sum = 0.0;
+  for (int day = 1; day <= 24; ++day) {
+    sum += horizontal(1.0, "2026-06-" + std::string(day < 10 ? "0" : "") + std::to_string(day));
+    if (day == 8 || day == 12 || day == 24) {
+      EXPECT_NEAR(horizontal(day, "2026-06-01") / (sum / day), 1.0, 1e-3) << day;
+    }
+  }
+  // a year has all seasons, and half a day more counts as half a day
+  const double year = horizontal(365.0, "2026-01-01");
+  EXPECT_GT(year, 0.45 * horizontal(1.0, "2026-06-21"));
+  EXPECT_LT(year, 0.6 * horizontal(1.0, "2026-06-21"));
+  const double nights = horizontal(1.0, "2026-06-01") + 0.5 * horizontal(0.5, "2026-06-02");
+  EXPECT_NEAR(horizontal(1.5, "2026-06-01"), nights / 1.5, 1e-6 * nights);
+}
+
+TEST(Light, PlaceAndTimeAreEachItsOwnOrTheWorlds) {
+  const auto noon = [](const std::string& configuration, std::optional<double> latitude, const std::string& start) {
+    turtle::EnvironmentContext context;
+    context.world.latitudeDegrees = latitude;
+    context.world.longitudeDegrees = 0.0;
+    context.world.start = start;
+    context.world.stepDurationDays = 1e-3;
+    const auto process = openProcess("light", R"({"sun":"position")" + configuration + "}", context);
+    return *answersOf(*process, QueryBuilder().add({0, 0, 0}, {0, 0, 0, 0}).batch())[0][2];
+  };
+  const double expected = noon("", 51.0, "2026-06-21T12:00Z");
+  EXPECT_EQ(noon(R"(,"start":"2026-06-21T12:00Z")", 51.0, "2026-12-21"), expected);
+  EXPECT_EQ(noon(R"(,"latitude":51)", -30.0, "2026-06-21T12:00Z"), expected);
+  EXPECT_LT(noon("", -30.0, "2026-06-21T12:00Z"), 0.8 * expected);
+}
+
 TEST(Light, TheGroundOfAStandReflectsLightFromBelow) {
   // a leaf over a white ground without anything else: nearly the whole light comes back to its lower side
   const auto under = [](const std::string& reflectance) {
