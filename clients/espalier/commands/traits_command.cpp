@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -25,10 +26,18 @@ namespace {
 
 struct TraitsOptions {
   ModelOptions model;
-  std::string up = "y";
+  std::string up;       // x, y, z; empty: of the world, or y
   double ground = 0.0;  // its area; 0: that of the crown
 
-  [[nodiscard]] int upAxis() const { return up == "x" ? 0 : up == "y" ? 1 : 2; }
+  [[nodiscard]] int upAxis(const core::Vec3& ofWorld = {0.0, 1.0, 0.0}) const {
+    if (!up.empty()) {
+      return up == "x" ? 0 : up == "y" ? 1 : 2;
+    }
+    const double x = std::abs(ofWorld.x);
+    const double y = std::abs(ofWorld.y);
+    const double z = std::abs(ofWorld.z);
+    return y >= x && y >= z ? 1 : x >= z ? 0 : 2;
+  }
 };
 
 bool isRootFile(const std::string& file) {
@@ -43,6 +52,7 @@ std::optional<std::string> tableOfModel(const TraitsOptions& options, server::Di
   if (!loaded) {
     return std::nullopt;
   }
+  const int up = options.upAxis(loaded->simulationOptions.world.up);
   simulation::Simulation simulation(loaded->programs, loaded->plants, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
   std::optional<core::SimulationError> failure = simulation.rewind();
@@ -52,14 +62,13 @@ std::optional<std::string> tableOfModel(const TraitsOptions& options, server::Di
   if (!failure) {
     auto scene = simulation.scene();
     if (auto* drawn = std::get_if<turtle::Scene>(&scene)) {
-      const std::string table = roots::traitTable(roots::traitsOf(roots::rootsOf(*drawn), options.upAxis()));
+      const std::string table = roots::traitTable(roots::traitsOf(roots::rootsOf(*drawn), up));
       try {
         turtle::Geometry geometry;
         turtle::appendGeometry(
             std::move(*drawn), simulation.view(), [](std::uint32_t, std::uint64_t) { return core::SymbolId{0}; },
             geometry);
-        return table + roots::shootTraitRows(roots::shootTraitsOf(geometry, options.upAxis(), options.ground),
-                                             options.upAxis());
+        return table + roots::shootTraitRows(roots::shootTraitsOf(geometry, up, options.ground), up);
       } catch (const core::SimulationFailure& tooLarge) {
         failure = tooLarge.error();
       }
@@ -131,9 +140,8 @@ void addTraits(CLI::App& program, int& status) {
   auto options = std::make_shared<TraitsOptions>();
   addReadingOptions(*command, options->model, true);
   addRunningOptions(*command, options->model);
-  command->add_option("--up", options->up, "The axis of the height")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->capture_default_str();
+  command->add_option("--up", options->up, "The axis of the height (default: the world's, or y)")
+      ->check(CLI::IsMember({"x", "y", "z"}));
   addPositiveNumber(*command, "--ground",
                     "Area of the ground for the leaf area index (default: the crown seen from above)", "an area",
                     [options](double area) { options->ground = area; });

@@ -188,7 +188,20 @@ tl::expected<RootSystem, std::string> readRootTable(std::string_view text) {
 }
 
 tl::expected<RootSystem, std::string> readRoots(const std::string& fileName, std::string_view text) {
-  return fileName.ends_with(".rsml") ? readRsml(text) : readRootTable(text);
+  auto roots = fileName.ends_with(".rsml") ? readRsml(text) : readRootTable(text);
+  if (!roots) {
+    return roots;
+  }
+  std::size_t early = 0;
+  for (const RootSystem::Node& node : roots->nodes) {
+    early += node.parent != RootSystem::kNone && node.emergence < roots->nodes[node.parent].emergence ? 1 : 0;
+  }
+  if (early > 0) {
+    roots->remark += (roots->remark.empty() ? "" : "; ") + std::to_string(early) +
+                     (early == 1 ? " point emerges before the point that it grows from, and is shown with it"
+                                 : " points emerge before the points that they grow from, and are shown with them");
+  }
+  return roots;
 }
 
 RootSystem rootsOf(const turtle::Scene& scene) {
@@ -197,7 +210,7 @@ RootSystem rootsOf(const turtle::Scene& scene) {
   for (std::size_t i = 0; i < scene.segments.size(); ++i) {
     const turtle::Segment& segment = scene.segments[i];
     RootSystem::Node node;
-    node.radius = 0.25 * (segment.startWidth + segment.endWidth);
+    node.radius = 0.5 * segment.endWidth;
     node.order = segment.branchOrder + 1;
     if (segment.parent == turtle::kNoParent) {
       node.place = segment.start;
@@ -411,7 +424,9 @@ std::string modelOf(const RootSystem& roots) {
   if (appearance.last == 0) {
     return "Lsystem: 1\nderivation length: 1\nAxiom: " + stringOf(roots) + "\nendlsystem\n";
   }
-  return "Lsystem: 1\nderivation length: " + std::to_string(appearance.last) + "\nAxiom: " + textOf(roots, appearance) +
+  // the environment answers what appears in a step in the step after it
+  return "Lsystem: 1\nderivation length: " + std::to_string(appearance.last + 1) +
+         "\nAxiom: " + textOf(roots, appearance) +
          "\nW(t,x,y,z,w,l,a,o) : t > 1 --> W(t-1,x,y,z,w,l,a,o)\n"
          "W(t,x,y,z,w,l,a,o) : t <= 1 --> @R(x,y,z)!(w)F(l)?E(a,o,0,0,0,0,0,0,0,0)\n"
          "V(t,a,o) : t > 1 --> V(t-1,a,o)\nV(t,a,o) : t <= 1 --> ?E(a,o,0,0,0,0,0,0,0,0)\n"

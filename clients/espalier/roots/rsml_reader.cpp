@@ -295,6 +295,7 @@ class Reader {
         }
         if (k == 0 && isLateral) {
           node.parent = joinOf(roots, axis, nodesOf[axis.parent]);
+          noteGap(axis, axes_[axis.parent].points, core::length(roots.nodes[node.parent].place - node.place));
           if (roots.nodes[node.parent].place == node.place) {
             // the lateral begins at the point itself
             nodesOf[i].push_back(node.parent);
@@ -312,6 +313,12 @@ class Reader {
           std::to_string(wrongJoins_) + (wrongJoins_ == 1 ? " lateral begins" : " laterals begin") +
           " at the nearest point of the parent, because the file names a point that is not there: " + firstWrongJoin_;
     }
+    if (gaps_ > 0) {
+      roots.remark +=
+          (roots.remark.empty() ? "" : "; ") + std::to_string(gaps_) +
+          (gaps_ == 1 ? " lateral begins" : " laterals begin") +
+          " farther from the parent than the parent's points lie apart; a straight piece joins them: " + firstGap_;
+    }
     if (looks_ > kMostLooks) {
       return tl::unexpected(std::string(
           "laterals have no 'parent-node', and their parents have too many points to look for it. Add the property"));
@@ -319,10 +326,24 @@ class Reader {
     return roots;
   }
 
+  /// Counts a lateral that begins away from its parent.
+  void noteGap(const ReadAxis& lateral, const std::vector<core::Vec3>& parent, double distance) {
+    double apart = 0.0;
+    for (std::size_t k = 1; k < parent.size() && !(apart >= distance); ++k) {
+      apart = std::max(apart, core::length(parent[k] - parent[k - 1]));
+    }
+    if (parent.size() > 1 && distance > apart && gaps_++ == 0) {
+      core::appendNumber(firstGap_, distance, core::NumberStyle::Shortest);
+      firstGap_ = "line " + std::to_string(lateral.line) + ", " + firstGap_ + " away";
+    }
+  }
+
   XML_Parser parser_ = nullptr;
   std::string problem_;
   std::size_t wrongJoins_ = 0;  // laterals whose parent-node is not there
   std::string firstWrongJoin_;
+  std::size_t gaps_ = 0;  // laterals that begin away from their parents
+  std::string firstGap_;
   std::vector<ReadAxis> axes_;     // parents come first
   std::vector<std::size_t> open_;  // axes whose elements are open
   std::string function_;           // name of the last function
