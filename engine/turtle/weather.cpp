@@ -53,6 +53,26 @@ std::string textOf(double number) {
   return text;
 }
 
+/// A unit without its ways of writing: [°C], [W m-2] and [W/m²] are [degC] and [W/m2].
+std::string plainUnit(std::string_view unit) {
+  std::string plain(unit);
+  for (const auto& [written, meant] : {std::pair<std::string_view, std::string_view>{"°C", "degC"},
+                                       {"µ", "u"},
+                                       {"^", ""},
+                                       {"⁻", "-"},
+                                       {"²", "2"},
+                                       {"³", "3"},
+                                       {"¹", "1"},
+                                       {" m-2", "/m2"},
+                                       {" s-1", "/s"},
+                                       {" h-1", "/h"}}) {
+    for (std::size_t at = plain.find(written); at != std::string::npos; at = plain.find(written, at + meant.size())) {
+      plain.replace(at, written.size(), meant);
+    }
+  }
+  return plain == "C" ? "degC" : plain;
+}
+
 /// The quantity of a head such as `temperature [degC]`, or the sentence that refuses it.
 tl::expected<std::size_t, std::string> readQuantity(std::string_view cell) {
   const std::size_t bracket = cell.find_first_of("[(");
@@ -67,7 +87,7 @@ tl::expected<std::size_t, std::string> readQuantity(std::string_view cell) {
   if (bracket != std::string_view::npos) {
     const std::string_view unit = trimmed(cell.substr(bracket + 1, cell.find_last_of("])") - bracket - 1));
     const WeatherQuantity& known = kWeatherQuantities[*quantity];
-    if (unit != known.unit) {
+    if (plainUnit(unit) != plainUnit(known.unit)) {
       return tl::unexpected("'" + std::string(known.name) + "' has the unit " + std::string(unit) + "; convert it to " +
                             std::string(known.unit));
     }
@@ -88,7 +108,10 @@ tl::expected<double, std::string> readNumber(std::string_view cell, std::string_
 tl::expected<Weather, std::string> Weather::read(std::string text, const std::string& start) {
   Weather weather;
   weather.text_ = std::move(text);
-  const std::string_view whole = weather.text_;
+  std::string_view whole = weather.text_;
+  if (whole.starts_with("\xEF\xBB\xBF")) {
+    whole.remove_prefix(3);  // the byte order mark of spreadsheet programs
+  }
   Rows rows;
   std::vector<std::size_t> lines;
   char separator = ',';
@@ -170,6 +193,10 @@ std::optional<std::string> Weather::readTable(const Rows& rows, const std::vecto
         return at(lines[row]) + "'" + std::string(quantity.name) + "' is " + textOf(*value) + " and must be at least " +
                textOf(quantity.least);
       }
+      if (*value > quantity.most) {
+        return at(lines[row]) + "'" + std::string(quantity.name) + "' is " + textOf(*value) + " and must be at most " +
+               textOf(quantity.most) + "; the unit is " + std::string(quantity.unit);
+      }
       values_[columns[column]].push_back(*value);
     }
   }
@@ -201,8 +228,14 @@ std::optional<std::string> Weather::readFormula(const Rows& rows, const std::vec
   }
   for (std::size_t quantity = 0; quantity < waves_.size(); ++quantity) {
     double least = 0.0;
+    double most = 0.0;
     for (const Wave& wave : waves_[quantity]) {
       least += wave.mean - std::abs(wave.amplitude);
+      most += wave.mean + std::abs(wave.amplitude);
+    }
+    if (most > kWeatherQuantities[quantity].most) {
+      return "'" + std::string(kWeatherQuantities[quantity].name) + "' rises to " + textOf(most) +
+             " and must be at most " + textOf(kWeatherQuantities[quantity].most);
     }
     if (!waves_[quantity].empty() && least < kWeatherQuantities[quantity].least) {
       return "'" + std::string(kWeatherQuantities[quantity].name) + "' falls to " + textOf(least) +

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,6 +18,7 @@ struct WeatherQuantity {
   std::string_view name;
   std::string_view unit;
   double least;
+  double most = std::numeric_limits<double>::infinity();
 };
 
 inline constexpr double kAbsoluteZero = -273.15;
@@ -24,8 +26,8 @@ inline constexpr std::array kWeatherQuantities{
     WeatherQuantity{"global", "W/m^2", 0.0},   // sun and sky on a horizontal plane
     WeatherQuantity{"direct", "W/m^2", 0.0},   // the sun on a plane that faces it
     WeatherQuantity{"diffuse", "W/m^2", 0.0},  // the sky on a horizontal plane
-    WeatherQuantity{"temperature", "degC", kAbsoluteZero},
-    WeatherQuantity{"humidity", "%", 0.0},  // relative
+    WeatherQuantity{"temperature", "degC", kAbsoluteZero, 100.0},
+    WeatherQuantity{"humidity", "%", 0.0, 110.0},  // relative; sensors in fog show a little more than 100
     WeatherQuantity{"wind", "m/s", 0.0},
     WeatherQuantity{"rain", "mm/h", 0.0},
     WeatherQuantity{"co2", "umol/mol", 0.0},

@@ -64,6 +64,14 @@ TEST(Weather, ThermalTimeIsTheSumAboveTheBase) {
   EXPECT_NEAR(*weatherOf("quantity,mean,amplitude,period,peak\ntemperature,15,5,1,0.6\n").thermalTime(3, 5), 30, 1e-9);
 }
 
+TEST(Weather, TablesOfSpreadsheetsAreRead) {
+  const Weather weather =
+      weatherOf("\xEF\xBB\xBFtime;temperature [°C];global [W m-2];direct (W/m²)\r\n0;10;200;300\r\n1;20;0;0\r\n");
+  EXPECT_EQ(*weather.mean("temperature", 0, 2), 15.0);
+  EXPECT_EQ(*weather.mean("global", 0, 1), 200.0);
+  EXPECT_EQ(*weather.mean("direct", 0, 1), 300.0);
+}
+
 TEST(Weather, WrongTextsSayLineAndRemedy) {
   const auto error = [](const std::string& text) {
     const auto read = Weather::read(text, "");
@@ -72,6 +80,9 @@ TEST(Weather, WrongTextsSayLineAndRemedy) {
   EXPECT_EQ(error("time,temperature\n0,1\n0,2\n"), "line 3: the time '0' is not after the one before; sort the rows");
   EXPECT_EQ(error("time,temperature\n0,warm\n"), "line 2: expected a number for 'temperature', found 'warm'");
   EXPECT_EQ(error("time,temperature\n\n0,1,2\n"), "line 3: expected 2 cells, found 3");
+  EXPECT_EQ(error("time,temperature\n0,293.15\n"),
+            "line 2: 'temperature' is 293.15 and must be at most 100; the unit is degC");
+  EXPECT_EQ(error("time,humidity\n0,1000\n"), "line 2: 'humidity' is 1000 and must be at most 110; the unit is %");
   EXPECT_EQ(error("time,rain (inch)\n0,1\n"), "line 1: 'rain' has the unit inch; convert it to mm/h");
   EXPECT_EQ(error("time,temp\n0,1\n"),
             "line 1: the quantity 'temp' is not known; there are global, direct, diffuse, temperature, humidity, wind, "
