@@ -261,6 +261,7 @@ SoilWaterKeys readSoilWater(const Configuration& configuration) {
     keys.thicknesses.pop_back();
   } else {
     keys.soils.emplace_back();
+    keys.soils.back().function = function;
     keys.soils.back().specificStorage = configuration.number("specificStorage");
   }
   for (const auto& row : configuration.rows("solutes")) {
