@@ -129,7 +129,7 @@ TEST(RootSystem, DaysOfEmergenceAreStepsOfAnAnimation) {
   ASSERT_TRUE(roots) << roots.error();
   const std::string model = modelOf(*roots);
   EXPECT_EQ(model.substr(0, model.find("\nW(t")),
-            "Lsystem: 1\nderivation length: 6\nAxiom: [@M(0,0,0)W(2,0,0,-1,0.2,1,0,1)W(5,0,0,-1,0.2,1,0.5,1)V(5,0,1)]");
+            "Lsystem: 1\nderivation length: 5\nAxiom: [@M(0,0,0)W(2,0,0,-1,0.2,1,0,1)W(5,0,0,-1,0.2,1,0.5,1)V(5,0,1)]");
   // a segment whose day is before that of the segment it grows from waits for it
   const auto early = readRoots(
       "early.tsv",
@@ -139,7 +139,7 @@ TEST(RootSystem, DaysOfEmergenceAreStepsOfAnAnimation) {
   EXPECT_EQ(early->remark, "1 point emerges before the point that it grows from, and is shown with it");
   const std::string waiting = modelOf(*early);
   EXPECT_EQ(waiting.substr(0, waiting.find("\nW(t")),
-            "Lsystem: 1\nderivation length: 4\nAxiom: [@M(0,0,0)W(3,0,0,-1,0.2,1,0,1)W(3,0,0,-1,0.2,1,2,1)]");
+            "Lsystem: 1\nderivation length: 3\nAxiom: [@M(0,0,0)W(3,0,0,-1,0.2,1,0,1)W(3,0,0,-1,0.2,1,2,1)]");
   // a day below 0 makes the first day the beginning
   const auto earlier = readRootTable(
       "node\tparent\tx\ty\tz\tradius\torder\temergence\n0\t-1\t0\t0\t0\t0.1\t1\t-2\n1\t0\t0\t0\t-1\t0.1\t1\t-2\n"
@@ -147,7 +147,7 @@ TEST(RootSystem, DaysOfEmergenceAreStepsOfAnAnimation) {
   ASSERT_TRUE(earlier) << earlier.error();
   const std::string shifted = modelOf(*earlier);
   EXPECT_EQ(shifted.substr(0, shifted.find("\nW(t")),
-            "Lsystem: 1\nderivation length: 4\nAxiom: [@M(0,0,0)@R(0,0,-1)!(0.2)F(1)?E(0,1,0,0,0,0,0,0,0,0)"
+            "Lsystem: 1\nderivation length: 3\nAxiom: [@M(0,0,0)@R(0,0,-1)!(0.2)F(1)?E(0,1,0,0,0,0,0,0,0,0)"
             "W(3,0,0,-1,0.2,1,0,1)]");
   // without days, or within one, it stands from the start
   EXPECT_TRUE(modelOf(*readRootTable(kTable)).starts_with("Lsystem: 1\nderivation length: 1\nAxiom: [@M(0,0,0)@R("));

@@ -424,9 +424,7 @@ std::string modelOf(const RootSystem& roots) {
   if (appearance.last == 0) {
     return "Lsystem: 1\nderivation length: 1\nAxiom: " + stringOf(roots) + "\nendlsystem\n";
   }
-  // the environment answers what appears in a step in the step after it
-  return "Lsystem: 1\nderivation length: " + std::to_string(appearance.last + 1) +
-         "\nAxiom: " + textOf(roots, appearance) +
+  return "Lsystem: 1\nderivation length: " + std::to_string(appearance.last) + "\nAxiom: " + textOf(roots, appearance) +
          "\nW(t,x,y,z,w,l,a,o) : t > 1 --> W(t-1,x,y,z,w,l,a,o)\n"
          "W(t,x,y,z,w,l,a,o) : t <= 1 --> @R(x,y,z)!(w)F(l)?E(a,o,0,0,0,0,0,0,0,0)\n"
          "V(t,a,o) : t > 1 --> V(t-1,a,o)\nV(t,a,o) : t <= 1 --> ?E(a,o,0,0,0,0,0,0,0,0)\n"
