@@ -13,6 +13,7 @@
 #include "engine/language/checks/model_queries.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
+#include "environment/idle_keys.h"
 #include "environment/published/environment_file.h"
 #include "environment/published/published_environment.h"
 #include "environment/registry.h"
@@ -52,6 +53,7 @@ Process orPrintErrors(environment::ProcessOrErrors&& made, const std::string& fi
 struct Making {
   const RemoteOptions& remote;
   std::shared_ptr<server::FailureSink> onFailure;
+  bool isQuiet = false;
 };
 
 // the longest time of a step: from the entry, else from the command line, else `otherwise`
@@ -149,7 +151,17 @@ Process makeBuiltIn(const std::string& name, const std::string& entryJson, const
                     const Making& making) {
   const std::string configurationJson = withThreads(name, entryJson, making.remote.threads);
   Process made = orPrintErrors(environment::makeProcess(name, configurationJson), file);
-  if (!made || making.remote.timeoutSeconds == 0.0) {
+  if (!made) {
+    return made;
+  }
+  std::vector<core::Diagnostic> warnings = environment::idleKeys(name, configurationJson);
+  for (core::Diagnostic& warning : warnings) {
+    warning.message = file.empty() ? warning.message : file + ": " + warning.message;
+  }
+  if (!printDiagnostics(std::move(warnings), making.isQuiet, making.remote.isStrict)) {
+    return nullptr;
+  }
+  if (making.remote.timeoutSeconds == 0.0) {
     return made;
   }
   const auto again = [name, configurationJson]() -> Process {
@@ -344,7 +356,7 @@ std::optional<LoadedEnvironment> loadEnvironment(const std::string& name, core::
   LoadedEnvironment loaded;
   loaded.onFailure = std::make_shared<server::FailureSink>(failureNotes(isQuiet));
   loaded.process =
-      makeEnvironment(name, compatibility, isQuiet, recorder, loaded.processNames, {remote, loaded.onFailure});
+      makeEnvironment(name, compatibility, isQuiet, recorder, loaded.processNames, {remote, loaded.onFailure, isQuiet});
   if (!loaded.process) {
     return std::nullopt;
   }
