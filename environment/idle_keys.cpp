@@ -17,7 +17,8 @@ struct Rule {
   std::string_view process;
   std::string_view key;
   std::string_view other;
-  /// The key works while `other` is one of these, with a bar between them; empty: while `other` is not given.
+  /// The key works while `other` is one of these, with a bar between them; "given": while it is given; empty: while
+  /// not.
   std::string_view working;
 };
 
@@ -76,16 +77,24 @@ bool isOneOf(std::string_view value, std::string_view working) {
   return false;
 }
 
+/// Whether a key is given, and is no empty list.
+bool isThere(const Configuration& configuration, const ConfigurationKey& key) {
+  const bool isEmpty = (key.kind == KeyKind::Rows && configuration.rows(key.name).empty()) ||
+                       (key.kind == KeyKind::Numbers && configuration.numbers(key.name).empty()) ||
+                       (key.kind == KeyKind::Entries && configuration.entries(key.name).empty());
+  return configuration.isGiven(key.name) && !isEmpty;
+}
+
 /// Why a key of a rule has no effect; empty: it has one.
 std::string reasonOf(const Rule& rule, const Configuration& configuration, std::span<const ConfigurationKey> keys) {
   const std::string other = "'" + std::string(rule.other) + "'";
+  const auto key = std::ranges::find(keys, rule.other, &ConfigurationKey::name);
   if (rule.working.empty()) {
-    return configuration.isGiven(rule.other) ? other + " is given" : "";
+    return isThere(configuration, *key) ? other + " is given" : "";
   }
   if (rule.working == "given") {
-    return configuration.isGiven(rule.other) ? "" : other + " is not given";
+    return isThere(configuration, *key) ? "" : other + " is not given";
   }
-  const auto key = std::ranges::find(keys, rule.other, &ConfigurationKey::name);
   const std::string value = valueOf(configuration, *key);
   return isOneOf(value, rule.working) ? "" : other + " is " + value;
 }

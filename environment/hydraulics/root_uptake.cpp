@@ -127,10 +127,12 @@ std::optional<std::string> RootUptakeFromSoil::passTime(double days, const Limit
     const double passed = soil_->advance(tried, this, limits.tolerance);
     if (!(passed > 0.0)) {
       const double residual = plantError_ > 0.0 ? plantError_ : soil_->water().lastResidual();
-      return "finds no uptake that fits soil and plants on day " + numberText(soil_->day()) + ": the residual is " +
-             (std::isfinite(residual) ? numberText(residual) : "without bound") +
-             (plantError_ > 0.0 ? ", as a part of the flow in the plants" : ", as water content") +
-             "; the tolerance is " + numberText(limits.tolerance);
+      const std::string found = "finds no uptake that fits soil and plants on day " + numberText(soil_->day());
+      return std::isfinite(residual)
+                 ? found + ": the residual is " + numberText(residual) +
+                       (plantError_ > 0.0 ? " of the flow in the plants" : " of the water content") +
+                       ", the tolerance " + numberText(limits.tolerance)
+                 : found + ": the residual has no bound";
     }
     sums.add(last_, plants_->nodes(), passed);
   }

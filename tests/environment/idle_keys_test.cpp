@@ -29,6 +29,7 @@ TEST(IdleKeys, AreNamedWithTheKeyThatSwitchesThemOff) {
   EXPECT_EQ(messagesOf("soil-water", R"({"topHead":-10,"surface":"head"})"), Messages{});
   EXPECT_EQ(messagesOf("xylem", R"({"soilHead":-1,"soilHeads":[[0,-2],[1,-3]]})"),
             Messages{"environment process 'xylem': 'soilHead' has no effect, because 'soilHeads' is given"});
+  EXPECT_EQ(messagesOf("xylem", R"({"soilHead":-1,"soilHeads":[],"soil":[]})"), Messages{});
   EXPECT_EQ(messagesOf("xylem", R"({"rhizosphere":true})"),
             Messages{"environment process 'xylem': 'rhizosphere' has no effect, because 'soil' is not given"});
   EXPECT_EQ(messagesOf("light", R"({"diffuseIrradiance":100,"sun":"direction"})"), Messages{});

@@ -21,6 +21,7 @@ namespace {
 constexpr double kLowestSine = 0.05;
 /// Of a longer span so many days stand for all.
 constexpr std::int64_t kMostDays = 400;
+constexpr double kLongestSpan = 1e15;  // days; a longer one is looked at as far as that
 
 }  // namespace
 
@@ -105,7 +106,8 @@ tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays, cons
   }
   // the hours of all whole days, then what is left of a day
   std::optional<std::string> problem =
-      addHours({timeDays, 1.0, static_cast<std::int64_t>(whole), whole / stepDays_}, directions, incoming);
+      addHours({timeDays, 1.0, static_cast<std::int64_t>(std::min(whole, kLongestSpan)), whole / stepDays_}, directions,
+               incoming);
   if (!problem && stepDays_ - whole > 1e-9) {
     problem = addHours({timeDays + whole, stepDays_ - whole, 1, 1.0 - whole / stepDays_}, directions, incoming);
   }

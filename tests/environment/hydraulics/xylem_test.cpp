@@ -302,7 +302,9 @@ TEST(Xylem, AStepWithoutSolutionIsAnErrorAndChangesNothing) {
                   centimetres());
   const std::string before = process->save();
   const std::string error = errorOf(*process, RootDrawing().root({0, 0, 0}, 7, 5, 0.1, kTen).queries());
-  EXPECT_EQ(error.find("Environment 'xylem' finds no uptake that fits soil and plants on day 0: the residual is "), 0U)
+  EXPECT_EQ(
+      error.find("Environment 'xylem' finds no uptake that fits soil and plants on day 0: the residual has no bound. "),
+      0U)
       << error;
   EXPECT_NE(error.find(". Use shorter steps ('longestStep'), larger cells, or a higher 'lowestHead'; leaves that "),
             std::string::npos);
