@@ -68,7 +68,7 @@ def main(archive: str, result: str, *rest: str) -> None:
     if live < len(rest):
         address, token, simulation = rest[live + 1:]
         bpy.ops.espalier.connect(address=address, token=token, simulation=simulation)
-        link = espalier_blender.link.current()
+        link = espalier_blender.link.current
         for step in range(4):
             if step > 0:
                 bpy.ops.espalier.step()

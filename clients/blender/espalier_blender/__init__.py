@@ -8,8 +8,9 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ImportHelper
+from espalier import glb
 
-from . import glb, link, scene
+from . import link, scene
 
 bl_info = {"name": "Espalier", "author": "The Espalier authors", "version": (0, 1, 0), "blender": (3, 4, 0), "category": "Import-Export",
            "location": "File > Import > Espalier; sidebar of the 3D view", "description": "Plants that grow: import, animation, live link"}
@@ -24,11 +25,8 @@ def steps_of(path: Path) -> List[Path]:
     match = re.fullmatch(r"(.*?)(\d+)(\.glb)", path.name)
     if match is None:
         return [path]
-    numbered = {}
-    for other in path.parent.glob("*.glb"):
-        same = re.fullmatch(re.escape(match[1]) + r"(\d+)\.glb", other.name)
-        if same:
-            numbered[int(same[1])] = other
+    matches = [(re.fullmatch(re.escape(match[1]) + r"(\d+)\.glb", other.name), other) for other in path.parent.glob("*.glb")]
+    numbered = {int(same[1]): other for same, other in matches if same}
     return [numbered[number] for number in sorted(numbered)] if 0 in numbered else [path]
 
 
@@ -43,8 +41,7 @@ def import_file(path: Path) -> str:
     scene.show(glb.read(path.read_bytes()), name)
     collection = bpy.data.collections[name]
     collection[FILE] = file
-    if STEPS in collection:
-        del collection[STEPS]
+    collection.pop(STEPS, None)
     if len(files) > 1:
         collection[STEPS] = file
         bpy.context.scene.frame_start, bpy.context.scene.frame_end = 0, len(files) - 1
@@ -116,13 +113,11 @@ class ESPALIER_OT_step(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context: Any) -> bool:
-        return link.current() is not None
+        return link.current is not None
 
     def execute(self, _context: Any) -> Set[str]:
-        now = link.current()
         try:
-            assert now is not None
-            now.simulation.step()
+            link.current.simulation.step()
         except Exception as error:  # as a model that fails
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -134,7 +129,7 @@ class ESPALIER_PT_link(bpy.types.Panel):
     bl_space_type, bl_region_type, bl_category = "VIEW_3D", "UI", "Espalier"
 
     def draw(self, _context: Any) -> None:
-        now = link.current()
+        now = link.current
         if now is None:
             self.layout.operator("espalier.connect")
             return

@@ -4,8 +4,9 @@ import threading
 from typing import Any, Optional
 
 import bpy
+from espalier import Client, glb
 
-from . import glb, scene
+from . import scene
 
 SECONDS = 0.1  # between two looks of the timer
 
@@ -14,7 +15,6 @@ class Link:
     """Follows a simulation as a viewer, which never slows it. Steps that come faster than they can be shown are left out."""
 
     def __init__(self, address: str, token: str, simulation: str, name: str = "Espalier") -> None:
-        from espalier import Client
         self.client = Client(address, name="blender", token=token or None, timeout=30)
         try:
             known = [each["simulation"] for each in self.client.simulations()]
@@ -59,34 +59,29 @@ class Link:
         self._thread.join(timeout=5)
 
 
-_link: Optional[Link] = None
+current: Optional[Link] = None
 
 
-def current() -> Optional[Link]:
-    return _link
-
-
-def open_link(address: str, token: str, simulation: str) -> Link:
-    global _link
+def open_link(address: str, token: str, simulation: str) -> None:
+    global current
     close_link()
-    _link = Link(address, token, simulation)
+    current = Link(address, token, simulation)
     if not bpy.app.timers.is_registered(_look):
         bpy.app.timers.register(_look, first_interval=SECONDS)
-    return _link
 
 
 def close_link() -> None:
-    global _link
-    if _link is not None:
-        _link.close()
-        _link = None
+    global current
+    if current is not None:
+        current.close()
+        current = None
 
 
 def _look() -> Optional[float]:
-    if _link is None:
+    if current is None:
         return None
     try:
-        _link.show()
+        current.show()
     except glb.GlbError as error:
-        _link.problem = str(error)
-    return None if _link.problem else SECONDS
+        current.problem = str(error)
+    return None if current.problem else SECONDS

@@ -1,19 +1,17 @@
 """Puts plants into a scene of Blender, and brings them up to date: one object for each plant, one mesh for each repeated organ."""
 
 import hashlib
-import os
-import tempfile
 from typing import Any, Dict, List
 
 import bpy
 import numpy as np
+from espalier import glb
 from mathutils import Matrix
-
-from . import glb
 
 PLANT = "espalier_plant"  # custom property of objects: name of the plant
 ORGAN = "espalier_organ"  # of copies of an organ: its name and number
 LOOK = "espalier_look"  # of materials: what they were made from
+TURN = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=np.float64)  # from y up, as in glTF, to z up
 
 
 def short(name: str, most: int = 63) -> str:
@@ -66,7 +64,7 @@ def _show_organs(collection: Any, parent: Any, plant: glb.Plant, materials: List
                 thing.parent = parent
                 collection.objects.link(thing)
             thing.data = mesh
-            thing.matrix_local = Matrix(place.tolist())
+            thing.matrix_local = Matrix((TURN @ place @ TURN.T).tolist())
     for thing in there.values():
         _remove(thing)
 
@@ -83,7 +81,8 @@ def _fill(mesh: Any, source: glb.Mesh, materials: List[Any]) -> None:
     mesh.clear_geometry()
     count = len(source.triangles)
     mesh.vertices.add(len(source.places))
-    mesh.vertices.foreach_set("co", source.places.astype(np.float32).ravel())
+    turn = TURN[:3, :3].T
+    mesh.vertices.foreach_set("co", (source.places @ turn).astype(np.float32).ravel())
     mesh.loops.add(3 * count)
     corners = source.triangles.ravel()
     mesh.loops.foreach_set("vertex_index", corners.astype(np.int32))
@@ -104,7 +103,7 @@ def _fill(mesh: Any, source: glb.Mesh, materials: List[Any]) -> None:
     if source.normals is not None and count:
         if hasattr(mesh, "use_auto_smooth"):  # before Blender 4.1
             mesh.use_auto_smooth = True
-        mesh.normals_split_custom_set_from_vertices(source.normals.astype(np.float32).tolist())
+        mesh.normals_split_custom_set_from_vertices((source.normals @ turn).astype(np.float32).tolist())
 
 
 def _material(source: glb.Material, owner: str) -> Any:
@@ -145,13 +144,7 @@ def _image(content: bytes, digest: str) -> Any:
     name = f"Espalier {digest[:16]}"
     if name in bpy.data.images:
         return bpy.data.images[name]
-    handle, path = tempfile.mkstemp(suffix=".png" if content.startswith(b"\x89PNG") else ".jpg")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        image = bpy.data.images.load(path)
-        image.pack()
-    finally:
-        os.unlink(path)
-    image.name = name
+    image = bpy.data.images.new(name, 1, 1)
+    image.source = "FILE"
+    image.pack(data=content, data_len=len(content))
     return image

@@ -1,4 +1,11 @@
-"""Reads the .glb files of Espalier: plants, their materials, and organs that are drawn many times. Needs NumPy, not Blender."""
+"""Plants of .glb files as NumPy arrays: triangles, materials, and organs that are drawn many times.
+
+    from espalier import glb
+    scene = glb.read(simulation.geometry())            # or the bytes of a file that `espalier run -o plant.glb` wrote
+    places = scene.plants[0].mesh.places               # (vertices, 3), metres, y up as in glTF
+
+Needs NumPy. The add-on for Blender reads with it.
+"""
 
 import json
 import struct
@@ -6,11 +13,10 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+Array = Any  # numpy.ndarray
 MOST_VERTICES = 50_000_000
 TYPES = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
-# glTF has y up, Blender has z up
-TO_BLENDER = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=np.float64)
 
 
 class GlbError(Exception):
@@ -26,19 +32,19 @@ class Material(NamedTuple):
 
 
 class Mesh(NamedTuple):
-    """Triangles in Blender's axes."""
-    places: np.ndarray  # (vertices, 3)
-    normals: Optional[np.ndarray]  # (vertices, 3)
-    coordinates: Optional[np.ndarray]  # u, v of the picture, v upward (vertices, 2)
-    triangles: np.ndarray  # (triangles, 3)
-    materials: np.ndarray  # number in Scene.materials of each triangle
+    """Triangles, y up."""
+    places: Array  # (vertices, 3)
+    normals: Optional[Array]  # (vertices, 3)
+    coordinates: Optional[Array]  # u, v of the picture, v upward (vertices, 2)
+    triangles: Array  # (triangles, 3)
+    materials: Array  # number in Scene.materials of each triangle
 
 
 class Instances(NamedTuple):
     """One organ at many places of a plant."""
     name: str
     mesh: Mesh
-    places: np.ndarray  # matrices in Blender's axes (instances, 4, 4)
+    places: Array  # matrices (instances, 4, 4)
 
 
 class Plant(NamedTuple):
@@ -53,7 +59,7 @@ class Scene(NamedTuple):
 
 
 def read(content: bytes) -> Scene:
-    """The plants of a file, or GlbError."""
+    """The plants of a file that Espalier wrote. GlbError when it is no such file or is damaged; more than 50 million vertices are refused."""
     try:
         return _Reader(content).scene()
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, RecursionError, struct.error) as error:
@@ -68,7 +74,7 @@ def joined(meshes: List[Mesh]) -> Mesh:
     first = np.cumsum([0] + [len(mesh.places) for mesh in meshes])
     parts = [(mesh.triangles + start) for mesh, start in zip(meshes, first)]
 
-    def column(name: str, width: int) -> np.ndarray:
+    def column(name: str, width: int) -> Array:
         return np.concatenate([np.zeros((len(mesh.places), width)) if getattr(mesh, name) is None else getattr(mesh, name)
                                for mesh in meshes]) if count else np.zeros((0, width))
 
@@ -103,7 +109,7 @@ class _Reader:
             raise ValueError
         return self.data[start:end]
 
-    def numbers(self, number: int) -> np.ndarray:
+    def numbers(self, number: int) -> Array:
         """An accessor as (count, width)."""
         accessor = self.json["accessors"][_index(number)]
         view = self.view(accessor["bufferView"])
@@ -134,9 +140,7 @@ class _Reader:
         triangles = self.numbers(part["indices"]).astype(np.int64).reshape(-1, 3)
         if places.shape[1] != 3 or not np.isfinite(places).all() or triangles.max() >= len(places):
             raise ValueError
-        turn = TO_BLENDER[:3, :3].T
-        return Mesh(places @ turn, None if normals is None else normals @ turn, coordinates, triangles,
-                    np.full(len(triangles), _index(part.get("material", 0)), dtype=np.int64))
+        return Mesh(places, normals, coordinates, triangles, np.full(len(triangles), _index(part.get("material", 0)), dtype=np.int64))
 
     def material(self, material: Dict[str, Any]) -> Material:
         look = material.get("pbrMetallicRoughness", {})
@@ -171,11 +175,11 @@ class _Reader:
             mesh = self.mesh(node["mesh"])
             copies = node.get("extensions", {}).get("EXT_mesh_gpu_instancing")
             if copies is None:
-                meshes.append(_moved(mesh, TO_BLENDER @ place @ TO_BLENDER.T))
+                meshes.append(_moved(mesh, place))
             else:
                 columns = {name: self.numbers(number) for name, number in copies["attributes"].items()}
                 local = _matrices(columns.get("TRANSLATION"), columns.get("ROTATION"), columns.get("SCALE"))
-                instances.append(Instances(str(node.get("name", "organ")), mesh, TO_BLENDER @ (place @ local) @ TO_BLENDER.T))
+                instances.append(Instances(str(node.get("name", "organ")), mesh, place @ local))
         else:
             raise ValueError
         return Plant(str(root.get("name", "plant")), joined(meshes), instances)
@@ -187,7 +191,7 @@ def _index(number: Any) -> int:
     return number
 
 
-def _moved(mesh: Mesh, place: np.ndarray) -> Mesh:
+def _moved(mesh: Mesh, place: Array) -> Mesh:
     if np.array_equal(place, np.eye(4)):
         return mesh
     normals = mesh.normals
@@ -197,14 +201,14 @@ def _moved(mesh: Mesh, place: np.ndarray) -> Mesh:
     return mesh._replace(places=mesh.places @ place[:3, :3].T + place[:3, 3], normals=normals)
 
 
-def _matrix(node: Dict[str, Any]) -> np.ndarray:
+def _matrix(node: Dict[str, Any]) -> Array:
     if "matrix" in node:
         return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
     rows = [np.array([node[name]], dtype=np.float64) if name in node else None for name in ("translation", "rotation", "scale")]
     return _matrices(*rows)[0]
 
 
-def _matrices(places: Optional[np.ndarray], turns: Optional[np.ndarray], sizes: Optional[np.ndarray]) -> np.ndarray:
+def _matrices(places: Optional[Array], turns: Optional[Array], sizes: Optional[Array]) -> Array:
     """Translation, quaternion (x, y, z, w) and scale as matrices (count, 4, 4)."""
     count = next((len(column) for column in (places, turns, sizes) if column is not None), 1)
     made = np.zeros((count, 4, 4))
