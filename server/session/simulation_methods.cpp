@@ -108,15 +108,23 @@ void simulationDelete(const Request& request, protocol::SimulationParams params)
   if (runner == nullptr) {
     return;
   }
-  core.remove(params.simulation);
-  // after the last turn: no later turn writes the files again or adds a stream
-  const auto command = makeCommand(request, [&core](SimulationRunner& self) -> protocol::Expected<std::string> {
+  // after the last turn: no later turn writes the files again or adds a stream. Also when the caller is gone by then
+  const auto command = makeCommand(request, {});
+  command->advance = [&core, id = request.id, caller = request.session.weak_from_this(),
+                      identifier = core.removeAndHold(params.simulation)](SimulationRunner& self,
+                                                                          Command& last) mutable {
     self.endStreams("the simulation was deleted");
-    if (auto problem = core.store().remove(self.id())) {
-      return tl::unexpected(protocol::Error{protocol::ErrorCode::Storage, std::move(*problem), {}});
+    const auto problem = core.store().remove(self.id());
+    identifier.reset();  // before the answer, after which the caller may use it again
+    self.publishEndOf(last);
+    const auto session = caller.lock();
+    if (session != nullptr && problem) {
+      session->respondError(id, {protocol::ErrorCode::Storage, *problem, {}});
+    } else if (session != nullptr) {
+      session->respond(id, "{}");
     }
-    return std::string("{}");
-  });
+    return false;
+  };
   command->needsSimulation = false;
   runner->closeWith(command, {protocol::ErrorCode::NotFound, "The simulation was deleted.", {}});
 }
