@@ -103,6 +103,23 @@ tl::expected<double, std::string> readNumber(std::string_view cell, std::string_
   return *number;
 }
 
+/// Why the last values of the sky's radiation and of that of sun and sky together cannot both be, or nothing. Two
+/// instruments may differ by 10 % and 20 W/m².
+std::optional<std::string> problemOfRadiation(
+    const std::array<std::vector<double>, kWeatherQuantities.size()>& values) {
+  const auto lastOf = [&values](std::string_view name) {
+    const std::vector<double>& column = values[*quantityOf(name)];
+    return column.empty() ? std::nullopt : std::optional(column.back());
+  };
+  const std::optional<double> global = lastOf("global");
+  const std::optional<double> diffuse = lastOf("diffuse");
+  if (!global || !diffuse || *diffuse <= 1.1 * *global + 20.0) {
+    return std::nullopt;
+  }
+  return "'diffuse' is " + textOf(*diffuse) + " and 'global' " + textOf(*global) +
+         "; the sky alone cannot give more than sun and sky together";
+}
+
 }  // namespace
 
 tl::expected<Weather, std::string> Weather::read(std::string text, const std::string& start) {
@@ -198,6 +215,9 @@ std::optional<std::string> Weather::readTable(const Rows& rows, const std::vecto
                textOf(quantity.most) + "; the unit is " + std::string(quantity.unit);
       }
       values_[columns[column]].push_back(*value);
+    }
+    if (auto problem = problemOfRadiation(values_)) {
+      return at(lines[row]) + *problem;
     }
   }
   return std::nullopt;

@@ -1,6 +1,8 @@
 #include <chrono>
 
 #include "engine/language/checks/model_queries.h"
+#include "environment/environment_entries.h"
+#include "environment/idle_keys.h"
 #include "protocol/codec.h"
 #include "server/remote/translation/translate.h"
 #include "server/running/limit_errors.h"
@@ -130,6 +132,18 @@ std::vector<core::Diagnostic> warningsOfRun(const language::Program& program, co
   return warnings;
 }
 
+/// Warnings about keys of the environments that other keys switch off.
+std::vector<core::Diagnostic> warningsOfKeys(const std::string& environmentJson) {
+  std::vector<core::Diagnostic> warnings;
+  const auto entries = environment::parseEnvironmentEntries(environmentJson.empty() ? "[]" : environmentJson);
+  for (const environment::EnvironmentEntry& entry : entries.value_or(std::vector<environment::EnvironmentEntry>())) {
+    for (core::Diagnostic& warning : environment::idleKeys(entry.type, entry.configuration)) {
+      warnings.push_back(std::move(warning));
+    }
+  }
+  return warnings;
+}
+
 /// What a restarted server makes the simulation again from.
 SimulationRecord recordOf(protocol::CreateParams params, const CompiledModels& models, std::string id,
                           std::string owner) {
@@ -169,6 +183,9 @@ protocol::CreateResult resultWithWarnings(HostedSimulation& hosted, const Compil
     for (protocol::DiagnosticRecord& warning : toRecords(warningsOfRun(*program, hosted))) {
       result.diagnostics.push_back(std::move(warning));
     }
+  }
+  for (protocol::DiagnosticRecord& warning : toRecords(warningsOfKeys(hosted.record().create.environmentJson))) {
+    result.diagnostics.push_back(std::move(warning));
   }
   return result;
 }

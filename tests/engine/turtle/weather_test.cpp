@@ -88,6 +88,9 @@ TEST(Weather, WrongTextsSayLineAndRemedy) {
             "line 1: the quantity 'temp' is not known; there are global, direct, diffuse, temperature, humidity, wind, "
             "rain, co2");
   EXPECT_EQ(error("time,wind,wind\n0,1,1\n"), "line 1: 'wind' has two columns");
+  EXPECT_EQ(error("time,global,direct,diffuse\n0,400,500,150\n1,100,200,300\n"),
+            "line 3: 'diffuse' is 300 and 'global' 100; the sky alone cannot give more than sun and sky together");
+  EXPECT_EQ(error("time,global,diffuse\n0,0,15\n"), "none");  // at dawn
   EXPECT_EQ(error("time,wind\n0,-1\n"), "line 2: 'wind' is -1 and must be at least 0");
   EXPECT_EQ(error("time,wind\nnoon,1\n"), "line 2: expected a date or a number of days, found 'noon'");
   EXPECT_EQ(error("day,wind\n0,1\n"), "line 1: expected a head that begins with time or quantity, found 'day'");
