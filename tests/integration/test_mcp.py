@@ -15,7 +15,8 @@ from typing import Any, Dict, List
 from support import REPOSITORY, SECONDS, Server, espalier, program, variables
 
 import espalier as espalier_package
-from espalier import mcp, mcp_tools
+from espalier import mcp
+from espalier.mcp import tools as mcp_tools
 
 SDK = REPOSITORY / "tests" / "mcp"
 COMMAND = [sys.executable, "-m", "espalier.mcp"]

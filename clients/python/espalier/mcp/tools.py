@@ -1,4 +1,4 @@
-"""The tools of mcp.py: names, descriptions for hosts, and the arguments that they take within limits."""
+"""The tools of espalier.mcp: names, descriptions for hosts, and the arguments that they take within limits."""
 
 from __future__ import annotations
 

@@ -20,13 +20,13 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import IO, Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
-from .client import Client
-from .errors import ConnectionLost, EspalierError, ServerError
-from .local_server import private_folder
-from .mcp_tools import ANSWER_CHARACTERS, MODULES, PART_CHARACTERS, SECONDS, SIMULATIONS, TOOLS, Arguments, Unfit, fitting
-from .program import find_program
-from .server import Server
-from .version import VERSION
+from ..client import Client
+from ..errors import ConnectionLost, EspalierError, ServerError
+from ..local_server import private_folder
+from ..program import find_program
+from ..server import Server
+from ..version import VERSION
+from .tools import ANSWER_CHARACTERS, MODULES, PART_CHARACTERS, SECONDS, SIMULATIONS, TOOLS, Arguments, Unfit, fitting
 
 # newest first
 VERSIONS = ("2025-06-18", "2025-03-26", "2024-11-05")
@@ -296,7 +296,3 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         except KeyboardInterrupt:
             return 130
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
