@@ -74,7 +74,7 @@ void add(const std::string& name, const fs::path& model, const Defines& defines)
 
 const bool kIsRegistered = [] {
   for (const Workload& workload :
-       {Workload{"blocks", "20", ""}, Workload{"accounts", "40", "13"}, Workload{"globals", "60", "14"},
+       {Workload{"blocks", "20", ""}, Workload{"accounts", "40", "15"}, Workload{"globals", "60", "14"},
         Workload{"neighbours", "30", "11"}, Workload{"candidates", "60", "14"}, Workload{"decomposition", "60", "12"},
         Workload{"cuts", "30", "12"}, Workload{"pairs", "60", "16"}, Workload{"arrays", "60", "14"},
         Workload{"functions", "60", "13"}, Workload{"answers", "60", "13"}}) {
