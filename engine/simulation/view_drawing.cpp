@@ -161,6 +161,10 @@ std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> ViewDrawi
   }
   return records;
 }
+std::optional<core::SimulationError> ViewDrawing::visitModules(
+    const std::function<void(const turtle::TurtleRecord&, std::uint64_t first)>& visit) {
+  return implementation_->draw({.onModule = visit});
+}
 std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> ViewDrawing::recordChain() {
   return implementation_->recordChain();
 }

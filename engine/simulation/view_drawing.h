@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -31,6 +34,9 @@ class ViewDrawing {
   [[nodiscard]] std::string stringText(std::size_t plant) const;
   [[nodiscard]] std::variant<turtle::Scene, core::SimulationError> scene();
   [[nodiscard]] std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords();
+  /// As Simulation::visitModules.
+  [[nodiscard]] std::optional<core::SimulationError> visitModules(
+      const std::function<void(const turtle::TurtleRecord&, std::uint64_t first)>& visit);
   /// The records as a chain of stretches. It shares with the chain of an earlier view what has not changed since. Null
   /// when the models' drawings are not repeatable (record_chain.h).
   [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> recordChain();

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
+#include "engine/simulation/view_drawing.h"
 #include "engine/turtle/environment_process.h"
 #include "engine/turtle/export/exporters.h"
 #include "engine/turtle/field.h"
@@ -13,6 +16,7 @@
 #include "protocol/codec.h"
 #include "server/remote/models/gallery.h"
 #include "server/running/simulation_trace.h"
+#include "server/running/turn_meter.h"
 #include "server/server_core.h"
 
 namespace espalier::server {
@@ -90,31 +94,32 @@ std::string suffixes() {
   return list;
 }
 
-HttpPage exportPage(const simulation::Simulation& simulation, const std::string& name, BoundedSink& sink) {
+HttpPage exportPage(simulation::ViewDrawing& drawing, const std::string& name, BoundedSink& sink) {
   const turtle::ExportFormat* const format = turtle::findExportFormatOfFile(name);
   turtle::Scene scene;
   std::vector<turtle::TurtleRecord> records;
   if (format->source == turtle::ExportSource::Scene) {
-    auto drawn = simulation.scene();
+    auto drawn = drawing.scene();
     if (const auto* error = std::get_if<core::SimulationError>(&drawn)) {
       return problemPage(500, error->message);
     }
     scene = std::move(std::get<turtle::Scene>(drawn));
   }
+  const simulation::PlantsView& view = drawing.view();
   std::vector<const derivation::ModuleString*> strings;
   std::vector<const language::Program*> programs;
-  for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
-    strings.push_back(&simulation.string(plant));
-    programs.push_back(&simulation.program(plant));
+  for (std::size_t plant = 0; plant < view.plants.size(); ++plant) {
+    strings.push_back(&view.plants[plant].string);
+    programs.push_back(&view.program(plant));
   }
-  const auto visitModules = [&simulation](const turtle::ModuleVisitor& visit) -> std::optional<std::string> {
-    const auto failure = simulation.visitModules(visit);
+  const auto visitModules = [&drawing](const turtle::ModuleVisitor& visit) -> std::optional<std::string> {
+    const auto failure = drawing.visitModules(visit);
     return failure ? std::optional(failure->message) : std::nullopt;
   };
   const turtle::ExportInput input{.scene = scene,
-                                  .view = simulation.view(),
-                                  .palette = &simulation.options().palette,
-                                  .program = &simulation.program(),
+                                  .view = drawing.settings(),
+                                  .palette = &view.options->palette,
+                                  .program = programs.front(),
                                   .programs = programs,
                                   .strings = strings,
                                   .visitModules = visitModules};
@@ -172,8 +177,6 @@ HttpPage pageFor(SimulationRunner& runner, const DownloadPath& path, std::uint64
   HostedSimulation& hosted = runner.hosted();
   BoundedSink sink(bound);
   switch (path.kind) {
-    case DownloadPath::Kind::Export:
-      return exportPage(hosted.simulation(), path.name, sink);
     case DownloadPath::Kind::Snapshot:
       hosted.simulation().save(sink);
       return filePage(sink.take(), path.name);
@@ -192,6 +195,7 @@ HttpPage pageFor(SimulationRunner& runner, const DownloadPath& path, std::uint64
       return fieldsPage(hosted.simulation());
     case DownloadPath::Kind::Field:
       return fieldPage(hosted.simulation(), path.name, sink);
+    case DownloadPath::Kind::Export:
     case DownloadPath::Kind::List:
     case DownloadPath::Kind::Picture:
       break;
@@ -258,6 +262,132 @@ HttpPage picturePage(const ServerCore& core, const DownloadPath& path) {
                : problemPage(404, "The gallery has no such picture. model.list names the pictures.");
 }
 
+/// A download of a simulation. It asks for one short turn. An export is then drawn from the state of that turn by a
+/// worker of frames, while the simulation goes on; the account that downloads pays for it. Thread-safe.
+class Download final : public std::enable_shared_from_this<Download> {
+ public:
+  Download(ServerCore& core, Account& account, DownloadPath path, std::function<void(HttpPage)> done)
+      : core_(&core), account_(&account), path_(std::move(path)), done_(std::move(done)) {}
+  ~Download() { account_->endDownload(); }
+
+  void begin(const std::shared_ptr<SimulationRunner>& runner) {
+    const auto command = std::make_shared<Command>();
+    command->owner = owner();
+    command->advance = [self = shared_from_this()](SimulationRunner& simulation, Command& turn) {
+      if (!turn.isCancelled) {
+        self->inTurn(simulation);
+      }
+      return false;
+    };
+    command->fail = [self = shared_from_this()](const protocol::Error& error) {
+      self->done_(problemPage(503, error.message));
+    };
+    {
+      const std::lock_guard lock(mutex_);
+      runner_ = runner;
+      command_ = command;
+    }
+    runner->submit(command);
+  }
+
+  /// Nobody waits for it any more.
+  void giveUp() {
+    std::shared_ptr<SimulationRunner> runner;
+    std::shared_ptr<Command> command;
+    {
+      const std::lock_guard lock(mutex_);
+      isGivenUp_ = true;
+      runner = runner_.lock();
+      command = command_.lock();
+      stopWork();
+    }
+    if (runner != nullptr && command != nullptr) {
+      runner->cancel(command);
+    }
+  }
+
+ private:
+  [[nodiscard]] std::string owner() const { return "http " + account_->owner(); }
+  [[nodiscard]] std::uint64_t bound() const { return core_->options().limits.blockBytes; }
+
+  void inTurn(SimulationRunner& runner) {
+    if (path_.kind != DownloadPath::Kind::Export) {
+      done_(guarded([&] { return pageFor(runner, path_, bound()); }));
+      return;
+    }
+    core_->pool().post(
+        {.run = [self = shared_from_this(), view = runner.hosted().simulation().takeView()] { self->draw(view); },
+         .lane = Lane::Frame,
+         .owner = owner(),
+         .limit = std::chrono::seconds(core_->options().limits.callSeconds),
+         .onLimit = [self = shared_from_this()] { self->stopAtLimit(); }});
+  }
+
+  void draw(const std::shared_ptr<const simulation::PlantsView>& view) {
+    TurnMeter meter(*account_, MemoryKind::Frames);
+    if (!setMeter(&meter)) {
+      return;
+    }
+    HttpPage page;
+    {
+      const core::WorkMeter::Scope scope(&meter);
+      simulation::ViewDrawing drawing;
+      page = guarded([&] {
+        drawing.show(view);
+        BoundedSink sink(bound());
+        return exportPage(drawing, path_.name, sink);
+      });
+    }
+    (void)setMeter(nullptr);
+    done_(std::move(page));
+  }
+
+  /// The page that `make` makes, or one that says why it could not.
+  HttpPage guarded(const std::function<HttpPage()>& make) {
+    try {
+      return make();
+    } catch (const TooLarge&) {
+      return problemPage(413, "blockBytes is limited to " + std::to_string(bound()) +
+                                  ", and this is larger. Export less, or start the server with a higher --limit "
+                                  "blockBytes=N.");
+    } catch (const core::WorkStopped&) {
+      return problemPage(503,
+                         "This takes longer than callSeconds allows, or more memory than the account has. Export "
+                         "less.");
+    } catch (const std::bad_alloc&) {
+      return problemPage(503, "There is not enough memory for this. Export less.");
+    } catch (const std::exception& exception) {
+      return problemPage(500, std::string("This failed: ") + exception.what() + ".");
+    }
+  }
+
+  /// False: it was given up before.
+  [[nodiscard]] bool setMeter(TurnMeter* meter) {
+    const std::lock_guard lock(mutex_);
+    meter_ = meter;
+    return !isGivenUp_;
+  }
+  void stopWork() {  // with mutex_ held
+    if (meter_ != nullptr) {
+      meter_->stop();
+    }
+  }
+  void stopAtLimit() {
+    const std::lock_guard lock(mutex_);
+    stopWork();
+  }
+
+  ServerCore* core_;
+  Account* account_;
+  const DownloadPath path_;
+  const std::function<void(HttpPage)> done_;
+  std::mutex mutex_;
+  bool isGivenUp_ = false;
+  TurnMeter* meter_ = nullptr;  // of the export that is drawn
+  std::weak_ptr<SimulationRunner> runner_;
+  std::weak_ptr<Command> command_;
+};
+
 }  // namespace
 
 std::optional<DownloadPath> downloadPathOf(std::string_view target) {
@@ -280,42 +410,40 @@ std::optional<DownloadPath> downloadPathOf(std::string_view target) {
   return simulationPathOf(*parts);
 }
 
-void makeDownload(ServerCore& core, Account& account, const DownloadPath& path, std::function<void(HttpPage)> use) {
+std::function<void()> makeDownload(ServerCore& core, Account& account, const DownloadPath& path,
+                                   std::function<void(HttpPage)> use) {
+  constexpr std::uint64_t kMostDownloads = 8;  // of an account at a time: each may keep a state in memory
+  const auto nothing = [] {};
   const auto done = [&account, use = std::move(use)](HttpPage page) { use(counted(std::move(page), account)); };
   if (path.kind == DownloadPath::Kind::List) {
     core.pool().post({.run = [&core, done] { done(listPage(core)); }, .owner = "http"});
-    return;
+    return nothing;
   }
   if (path.kind == DownloadPath::Kind::Picture) {
     core.pool().post({.run = [&core, path, done] { done(picturePage(core, path)); }, .owner = "http"});
-    return;
+    return nothing;
   }
   const auto runner = core.find(path.simulation);
   if (runner == nullptr) {
     done(problemPage(404, "There is no simulation '" + path.simulation + "'. GET /simulations lists them."));
-    return;
+    return nothing;
   }
   if (path.kind == DownloadPath::Kind::Export && turtle::findExportFormatOfFile(path.name) == nullptr) {
     done(problemPage(404, "'" + path.name + "' names no format. Suffixes: " + suffixes() + "."));
-    return;
+    return nothing;
   }
-  auto command = std::make_shared<Command>();
-  command->owner = "http";
-  const std::uint64_t bound = core.options().limits.blockBytes;
-  command->advance = [path, bound, done](SimulationRunner& owner, Command&) {
-    try {
-      done(pageFor(owner, path, bound));
-    } catch (const TooLarge&) {
-      done(problemPage(413, "blockBytes is limited to " + std::to_string(bound) +
-                                ", and this is larger. Export less, or start the server with a higher --limit "
-                                "blockBytes=N."));
-    } catch (const std::exception& exception) {
-      done(problemPage(500, std::string("This failed: ") + exception.what() + "."));
-    }
-    return false;
-  };
-  command->fail = [done](const protocol::Error& error) { done(problemPage(503, error.message)); };
-  runner->submit(std::move(command));
+  if (const auto problem = account.cpuProblem()) {
+    done(problemPage(503, problem->message));
+    return nothing;
+  }
+  if (!account.beginDownload(kMostDownloads)) {
+    done(problemPage(503, "This account downloads " + std::to_string(kMostDownloads) +
+                              " files now, and no more at a time. Ask again when one has come."));
+    return nothing;
+  }
+  const auto download = std::make_shared<Download>(core, account, path, done);
+  download->begin(runner);
+  return [download] { download->giveUp(); };
 }
 
 tl::expected<Grant, std::string> downloadGrant(std::string_view authorization, const Access& access) {

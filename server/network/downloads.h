@@ -27,8 +27,10 @@ struct DownloadPath {
 [[nodiscard]] std::optional<DownloadPath> downloadPathOf(std::string_view target);
 
 /// Makes a download on a worker and calls `done` once, on any thread. blockBytes bounds the bytes. They count for the
-/// account as long as the page is there.
-void makeDownload(ServerCore& core, Account& account, const DownloadPath& path, std::function<void(HttpPage)> done);
+/// account as long as the page is there; so does the processor time. What is returned gives the download up: then
+/// `done` may never be called.
+[[nodiscard]] std::function<void()> makeDownload(ServerCore& core, Account& account, const DownloadPath& path,
+                                                 std::function<void(HttpPage)> done);
 
 /// What a request with this header `Authorization` is granted, or why it may not download. When the server has tokens,
 /// it must be `Bearer TOKEN` of a viewer.

@@ -1,5 +1,7 @@
 #include "server/network/http.h"
 
+#include <netinet/tcp.h>
+
 #include <algorithm>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
@@ -159,25 +161,40 @@ std::string fieldOf(const Request& request, http::field name) {
   return {value.data(), value.size()};
 }
 
-/// The download is made on a worker; meanwhile the connection waits.
-asio::awaitable<HttpPage> download(DownloadPath path, Account& account, ServerCore& core) {
+/// Whether the other end of a connection has closed it, or at least sends nothing more.
+bool hasLeft(tcp::socket& socket) {
+  ::tcp_info information{};
+  ::socklen_t size = sizeof(information);
+  return ::getsockopt(socket.native_handle(), IPPROTO_TCP, TCP_INFO, &information, &size) == 0 &&
+         information.tcpi_state != TCP_ESTABLISHED;
+}
+
+/// The download is made on a worker; meanwhile the connection waits. Nothing when the peer has gone: then it is given
+/// up.
+asio::awaitable<std::optional<HttpPage>> download(DownloadPath path, Account& account, ServerCore& core,
+                                                  tcp::socket& socket) {
   struct Waiting {
     asio::steady_timer done;
     std::optional<HttpPage> page;
   };
+  constexpr std::chrono::milliseconds kLook{200};
   const auto executor = co_await asio::this_coro::executor;
   const auto waiting = std::make_shared<Waiting>(Waiting{asio::steady_timer(executor), std::nullopt});
-  waiting->done.expires_at(std::chrono::steady_clock::time_point::max());
-  makeDownload(core, account, path, [waiting, executor](HttpPage page) {
+  const auto giveUp = makeDownload(core, account, path, [waiting, executor](HttpPage page) {
     asio::post(executor, [waiting, page = std::move(page)]() mutable {
       waiting->page = std::move(page);
       waiting->done.cancel();
     });
   });
   while (!waiting->page) {
+    waiting->done.expires_after(kLook);
     co_await waiting->done.async_wait(kAsTuple);
+    if (!waiting->page && hasLeft(socket)) {
+      giveUp();
+      co_return std::nullopt;
+    }
   }
-  co_return std::move(*waiting->page);
+  co_return std::move(waiting->page);
 }
 
 constexpr std::string_view kText = "text/plain; charset=utf-8";
@@ -226,7 +243,11 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
         co_return;
       }
       lowest().expires_never();
-      HttpPage page = co_await pageFor(request);
+      std::optional<HttpPage> found = co_await pageFor(request);
+      if (!found) {
+        co_return;
+      }
+      HttpPage page = std::move(*found);
       // counted until it is written
       const std::shared_ptr<void> memory = page.memory;
       const bool isKept = co_await write(responseOf(std::move(page), request, count < kMostRequests));
@@ -250,7 +271,8 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
                            services_.core->options().allowedOrigins);
   }
 
-  asio::awaitable<HttpPage> pageFor(const Request& request) {
+  /// Nothing when the peer has gone meanwhile.
+  asio::awaitable<std::optional<HttpPage>> pageFor(const Request& request) {
     if (accepted_.place->isBeyondAddressBound()) {
       co_return HttpPage{503, std::string(kText),
                          "Your address has more connections than connectionsPerAddress=" +
@@ -283,7 +305,7 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
       (void)accepted_.place->trust();
     }
     Account& account = services_.core->accounts().of(grant->token == nullptr ? std::string() : grant->token->name);
-    co_return co_await download(std::move(*path), account, *services_.core);
+    co_return co_await download(std::move(*path), account, *services_.core, lowest().socket());
   }
 
   /// Writes in parts: a peer that reads nothing for kIdle is given up. Whether the connection is kept for more.

@@ -84,6 +84,14 @@ void Account::spend(std::uint64_t nanoseconds) {
   }
 }
 
+bool Account::beginDownload(std::uint64_t most) {
+  if (++downloads_ > most) {
+    --downloads_;
+    return false;
+  }
+  return true;
+}
+
 std::optional<protocol::Error> Account::cpuProblem() const {
   const double spent = cpuSeconds();
   if (spent <= static_cast<double>(bounds_.cpuSeconds)) {

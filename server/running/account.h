@@ -56,6 +56,9 @@ class Account {
   void addSimulations(std::int64_t count);
   void addStreams(std::int64_t count);
   void spend(std::uint64_t nanoseconds);
+  /// Counts one more download that is being made, unless there are `most`. False: not counted.
+  [[nodiscard]] bool beginDownload(std::uint64_t most);
+  void endDownload() { --downloads_; }
   [[nodiscard]] std::uint64_t simulations() const { return simulations_; }
   [[nodiscard]] std::uint64_t streams() const { return streams_; }
   [[nodiscard]] double cpuSeconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }
@@ -72,6 +75,7 @@ class Account {
   std::array<std::atomic<std::int64_t>, kMemoryKindCount> bytes_{};
   std::atomic<std::uint64_t> simulations_{0};
   std::atomic<std::uint64_t> streams_{0};
+  std::atomic<std::uint64_t> downloads_{0};
   std::atomic<std::uint64_t> nanoseconds_{0};
 };
 
