@@ -208,11 +208,8 @@ std::variant<std::string, protocol::Error> ServerCore::reserve(const std::string
   if (simulations_.contains(wanted)) {
     return protocol::memberError("params.simulation", "another request makes this simulation now; ask again");
   }
-  if (held_.contains(wanted)) {
-    return protocol::memberError("params.simulation", "another request deletes this simulation now; ask again");
-  }
   std::string name = wanted.empty() ? randomName() : wanted;
-  while (simulations_.contains(name) || held_.contains(name)) {
+  while (simulations_.contains(name)) {
     name = randomName();
   }
   simulations_.emplace(name, nullptr);
@@ -295,19 +292,6 @@ bool ServerCore::makeRoom(const Account& account) {
   bool isFirst = true;
   const bool isOwn = makePassive(&account, [&] { return std::exchange(isFirst, false) || isHalfFull(account); });
   return makePassive(nullptr, [&] { return isHalfFull(accounts_.server()); }) || isOwn;
-}
-
-std::shared_ptr<void> ServerCore::removeAndHold(const std::string& simulation) {
-  {
-    const std::lock_guard lock(mutex_);
-    held_.insert(simulation);
-  }
-  remove(simulation);
-  const auto release = [this, simulation](void*) {
-    const std::lock_guard lock(mutex_);
-    held_.erase(simulation);
-  };
-  return {this, release};
 }
 
 void ServerCore::remove(const std::string& simulation) {

@@ -76,9 +76,6 @@ class ServerCore {
   void add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted);
   /// Forgets an identifier, and the simulation when there is one. It is not closed.
   void remove(const std::string& simulation);
-  /// The same, but nobody gets the identifier before what is returned is destroyed: until then the last turn may write
-  /// files under it.
-  [[nodiscard]] std::shared_ptr<void> removeAndHold(const std::string& simulation);
   [[nodiscard]] std::vector<std::shared_ptr<SimulationRunner>> all() const;
   /// Makes idle, saved simulations passive, the one that was used least recently first, while the account or the server
   /// has more than three quarters of its memory.
@@ -126,7 +123,6 @@ class ServerCore {
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SimulationRunner>> simulations_;  // null: reserved
   std::map<std::string, std::string> creators_;  // of simulations: the session; those from disk have none
-  std::set<std::string> held_;                   // identifiers of simulations that are being deleted
   struct Damaged {
     protocol::SimulationInformation information;
     protocol::ErrorCode code = protocol::ErrorCode::Storage;

@@ -89,8 +89,11 @@ std::optional<std::string> TraceFile::close() {
     }
     file_ = nullptr;
   }
-  return problem_.empty() ? std::nullopt
-                          : std::optional<std::string>("the trace '" + name_ + "' is not complete: " + problem_ + ".");
+  return problem_.empty() ? std::nullopt : std::optional(problem());
+}
+
+std::string TraceFile::problem() const {
+  return problem_.empty() ? std::string() : "the trace '" + name_ + "' is not complete: " + problem_ + ".";
 }
 
 std::optional<std::string> readTraceFile(const std::string& name, std::string& bytes, std::uint64_t bound) {

@@ -24,6 +24,8 @@ class TraceFile final : public core::ByteSink {
   /// A failure is kept for close(): a full disk does not end the run.
   void write(std::string_view bytes) override;
   void flush();
+  /// A sentence when anything could not be written; else empty.
+  [[nodiscard]] std::string problem() const;
   /// Ends the file. An error sentence when anything could not be written.
   [[nodiscard]] std::optional<std::string> close();
 

@@ -225,9 +225,9 @@ protocol::Error HostedSimulation::storageError(const std::string& problem) const
   return {protocol::ErrorCode::Storage, problem, data.take()};
 }
 
-std::optional<protocol::Error> HostedSimulation::save(bool withRecord) {
+std::optional<std::string> HostedSimulation::write(bool withRecord) {
   isSaved_ = false;
-  if (!store_->isKept() || !record_.create.save.isKept) {
+  if (!isKept()) {
     return std::nullopt;
   }
   const std::uint64_t step = simulation_->completedSteps();
@@ -243,16 +243,49 @@ std::optional<protocol::Error> HostedSimulation::save(bool withRecord) {
   }
   isSaveDue_ = problem.has_value();
   isSaved_ = !isSaveDue_;
-  if (problem) {
-    return storageError("Step " + std::to_string(step) + " is complete, but " + *problem +
-                        " No further step is made before it is saved.");
-  }
-  return std::nullopt;
+  return problem;
 }
 
-std::optional<protocol::Error> HostedSimulation::saveChange() {
+std::optional<protocol::Error> HostedSimulation::save(bool withRecord) {
+  const auto problem = write(withRecord);
+  return problem ? std::optional(storageError("Step " + std::to_string(simulation_->completedSteps()) +
+                                              " is complete, but " + *problem +
+                                              " No further step is made before it is saved."))
+                 : std::nullopt;
+}
+
+std::optional<protocol::Error> HostedSimulation::change(
+    const std::function<std::optional<core::SimulationError>()>& make) {
+  const bool isSavedAfter = isKept() && record_.create.save.every > 0;
+  const std::string before = isSavedAfter ? snapshot() : std::string();
+  const bool wasSaved = isSaved_;
+  const bool wasSaveDue = isSaveDue_;
+  if (const auto error = make()) {
+    return errorOf(*error);
+  }
   isSaved_ = false;
-  return record_.create.save.every > 0 ? save(false) : std::nullopt;
+  const auto problem = isSavedAfter ? write(false) : std::nullopt;
+  const auto lost = problem ? simulation_->restore(before) : std::nullopt;
+  beginTrace();
+  if (!problem) {
+    return std::nullopt;
+  }
+  if (lost) {
+    return storageError("The change is made, but " + *problem +
+                        " The state before cannot be restored: " + lost->message);
+  }
+  isSaved_ = wasSaved;
+  isSaveDue_ = wasSaveDue;
+  return storageError("Nothing was changed: " + *problem);
+}
+
+std::optional<protocol::Error> HostedSimulation::replaceBy(HostedSimulation& fresh, bool isRecordNew) {
+  const bool isSavedAfter = isRecordNew || record_.create.save.every > 0;
+  if (const auto problem = isSavedAfter ? fresh.write(isRecordNew) : std::nullopt) {
+    return storageError("Nothing was changed: " + *problem);
+  }
+  adopt(fresh);
+  return std::nullopt;
 }
 
 std::optional<protocol::Error> HostedSimulation::keep() {
@@ -295,11 +328,7 @@ void HostedSimulation::beginTrace() {
 
 std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64_t> seed) {
   if (!seed) {
-    if (const auto error = simulation_->rewind()) {
-      return errorOf(*error);
-    }
-    beginTrace();
-    return saveChange();
+    return change([this] { return simulation_->rewind(); });
   }
   // a simulation has its seed for life: make another, which takes the place of the old one when it is ready
   SimulationRecord record = record_;
@@ -312,8 +341,7 @@ std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64
   if (const auto failure = fresh.simulation_->rewind()) {
     return errorOf(*failure);
   }
-  adopt(fresh);
-  return save(true);
+  return replaceBy(fresh, true);
 }
 
 void HostedSimulation::adopt(HostedSimulation& fresh) {
@@ -324,6 +352,8 @@ void HostedSimulation::adopt(HostedSimulation& fresh) {
     links_.swap(fresh.links_);
   }
   environmentBytes_.swap(fresh.environmentBytes_);
+  isSaved_ = fresh.isSaved_;
+  isSaveDue_ = fresh.isSaveDue_;
   trace_ = fresh.trace_;
   beginTrace();
 }
@@ -412,8 +442,7 @@ std::optional<protocol::Error> HostedSimulation::define(
   if (const auto error = fresh.simulation_->restore(std::get<std::string>(edited))) {
     return errorOf(*error);
   }
-  adopt(fresh);
-  return saveChange();
+  return replaceBy(fresh, false);
 }
 
 std::string HostedSimulation::snapshot() const {
@@ -423,11 +452,7 @@ std::string HostedSimulation::snapshot() const {
 }
 
 std::optional<protocol::Error> HostedSimulation::restore(std::string_view snapshot) {
-  if (const auto error = simulation_->restore(snapshot)) {
-    return errorOf(*error);
-  }
-  beginTrace();
-  return saveChange();
+  return change([this, snapshot] { return simulation_->restore(snapshot); });
 }
 
 std::optional<protocol::Error> HostedSimulation::saveCheckpoint(const std::string& name) {
@@ -447,7 +472,7 @@ std::optional<protocol::Error> HostedSimulation::restoreCheckpoint(const std::st
 }
 
 std::optional<protocol::Error> HostedSimulation::setTraced(bool isTraced) {
-  if (isTraced == (trace_ != nullptr)) {
+  if (isTraced == this->isTraced()) {
     return std::nullopt;
   }
   // the recorder stands between the simulation and its environment: make another simulation in the same state
@@ -460,8 +485,10 @@ std::optional<protocol::Error> HostedSimulation::setTraced(bool isTraced) {
   if (const auto error = fresh.simulation_->restore(snapshot())) {
     return errorOf(*error);
   }
-  adopt(fresh);
-  return save(true);
+  if (auto error = replaceBy(fresh, true)) {
+    return error;
+  }
+  return traceProblem().empty() ? std::nullopt : std::optional(storageError(traceProblem()));
 }
 
 void HostedSimulation::setCancelled(bool isCancelled) {

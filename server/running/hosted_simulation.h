@@ -72,13 +72,14 @@ class HostedSimulation {
   /// One step, saved when that is due. `milliseconds` receives the wall time of the step alone. A step that could not
   /// be saved is complete all the same: an error says so, and the step is saved before the next step runs.
   [[nodiscard]] std::optional<protocol::Error> step(double& milliseconds);
-  /// Back to step 0; with a new seed when given.
+  /// Back to step 0; with a new seed when given. On failure nothing changes.
   [[nodiscard]] std::optional<protocol::Error> reset(std::optional<std::uint64_t> seed);
   [[nodiscard]] std::string snapshot() const;
   /// Changes a plant's string. On failure nothing changes.
   [[nodiscard]] std::optional<protocol::Error> edit(const protocol::EditParams& params);
   /// Sets variables of the model, or names that it defines (#define). On failure nothing changes.
   [[nodiscard]] std::optional<protocol::Error> set(const std::vector<std::pair<std::string, std::string>>& values);
+  /// On failure nothing changes.
   [[nodiscard]] std::optional<protocol::Error> restore(std::string_view snapshot);
   /// Writes the present state to disk, unless the simulation is not kept or is saved already.
   [[nodiscard]] std::optional<protocol::Error> keep();
@@ -91,7 +92,9 @@ class HostedSimulation {
   }
   /// Begins a trace, or ends the one being written. On failure nothing changes.
   [[nodiscard]] std::optional<protocol::Error> setTraced(bool isTraced);
-  [[nodiscard]] bool isTraced() const { return trace_ != nullptr; }
+  [[nodiscard]] bool isTraced() const { return trace_ != nullptr && traceProblem().empty(); }
+  /// Why the trace has ended although the simulation goes on: a sentence; empty: it has not.
+  [[nodiscard]] std::string traceProblem() const { return trace_ == nullptr ? std::string() : trace_->problem(); }
   [[nodiscard]] std::vector<StoredTrace> traces() const {
     return SimulationTrace::list(services_.traceFolder, record_.id);
   }
@@ -110,11 +113,17 @@ class HostedSimulation {
   [[nodiscard]] std::optional<protocol::Error> build(simulation::Programs programs, files::Palette palette,
                                                      bool isAbsenceTolerated);
   void beginTrace();
-  /// Saves after a change that a client asked for, unless the simulation is saved on request only.
-  [[nodiscard]] std::optional<protocol::Error> saveChange();
-  /// Saves state and, when `withRecord`, record.
+  [[nodiscard]] bool isKept() const { return store_->isKept() && record_.create.save.isKept; }
+  /// Writes state and, when `withRecord`, record. The rest of a sentence says what failed.
+  [[nodiscard]] std::optional<std::string> write(bool withRecord);
+  /// The same after a step.
   [[nodiscard]] std::optional<protocol::Error> save(bool withRecord);
-  /// Takes over the parts of another one that was made from the same record.
+  /// Makes a change that a client asked for, and saves it unless the simulation is saved on request only. When it
+  /// cannot be saved, the state before is restored.
+  [[nodiscard]] std::optional<protocol::Error> change(
+      const std::function<std::optional<core::SimulationError>()>& make);
+  /// Saves another one that was made from the same record in the same way, and takes its parts over.
+  [[nodiscard]] std::optional<protocol::Error> replaceBy(HostedSimulation& fresh, bool isRecordNew);
   void adopt(HostedSimulation& fresh);
   /// Compiles the models again with other definitions and goes on in the same state.
   [[nodiscard]] std::optional<protocol::Error> define(const std::vector<std::pair<std::string, std::string>>& defines);

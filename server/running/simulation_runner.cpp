@@ -106,9 +106,14 @@ void SimulationRunner::publishEndOf(Command& command) {
   publishInformation();
 }
 
-bool SimulationRunner::isClosing() const {
+std::optional<protocol::Error> SimulationRunner::closed() const {
   const std::lock_guard lock(mutex_);
-  return closed_.has_value();
+  return closed_;
+}
+
+void SimulationRunner::reopen(const std::optional<protocol::Error>& reason) {
+  const std::lock_guard lock(mutex_);
+  closed_ = reason;
 }
 
 std::optional<std::string> SimulationRunner::saveAtEnd() {

@@ -69,6 +69,10 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void close(const protocol::Error& reason, bool isInterrupting);
   /// The same, giving up the running turn; then runs one last command.
   void closeWith(std::shared_ptr<Command> last, const protocol::Error& reason);
+  /// Why commands are refused, or nothing.
+  [[nodiscard]] std::optional<protocol::Error> closed() const;
+  /// Takes commands again, or refuses them for this reason: the last command of closeWith() could not do its work.
+  void reopen(const std::optional<protocol::Error>& reason);
   [[nodiscard]] protocol::SimulationInformation information() const;
   /// How often it has applied its productions, after the last turn.
   struct Productions {
@@ -93,7 +97,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   void catchUp();
   /// Ends all streams with a reason.
   void endStreams(const std::string& reason);
-  [[nodiscard]] bool isClosing() const;
+  [[nodiscard]] bool isClosing() const { return closed().has_value(); }
   /// Saves the state if its policy has not saved it, unless a turn still runs. An error sentence, or nothing.
   [[nodiscard]] std::optional<std::string> saveAtEnd();
 

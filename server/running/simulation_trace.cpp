@@ -56,7 +56,27 @@ std::variant<std::unique_ptr<SimulationTrace>, std::string> SimulationTrace::cre
   if (!file) {
     return std::move(file.error());
   }
-  return std::unique_ptr<SimulationTrace>(new SimulationTrace(std::move(*file)));
+  return std::unique_ptr<SimulationTrace>(new SimulationTrace(std::move(*file), name.string()));
+}
+
+SimulationTrace::~SimulationTrace() {
+  if (!hasBegun_) {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+}
+
+std::string SimulationTrace::problem() const {
+  return file_->problem().empty() ? std::string()
+                                  : "The trace ended, because the data folder does not take more of it: make room on "
+                                    "the disk, then begin another one with simulation.trace.";
+}
+
+void SimulationTrace::removeAll(const std::string& folder, const std::string& id) {
+  std::error_code ignored;
+  for (const StoredTrace& trace : list(folder, id)) {
+    fs::remove(pathOf(folder, id, trace.number), ignored);
+  }
 }
 
 }  // namespace espalier::server

@@ -32,6 +32,14 @@ class SimulationTrace {
   [[nodiscard]] static std::optional<std::string> read(const std::string& folder, const std::string& id,
                                                        std::uint64_t number, std::uint64_t bound);
 
+  /// Removes all traces of a simulation.
+  static void removeAll(const std::string& folder, const std::string& id);
+
+  /// A trace that never began leaves no file.
+  ~SimulationTrace();
+  SimulationTrace(const SimulationTrace&) = delete;
+  SimulationTrace& operator=(const SimulationTrace&) = delete;
+
   /// The process with its dialogue recorded; null stays null.
   [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> record(
       std::unique_ptr<turtle::EnvironmentProcess> process) {
@@ -39,6 +47,7 @@ class SimulationTrace {
   }
   /// After rewind() or restore().
   void begin(simulation::Simulation& simulation) {
+    hasBegun_ = true;
     recorder_->begin(simulation);
     file_->flush();
   }
@@ -48,11 +57,17 @@ class SimulationTrace {
   }
   /// Adds a note: an environment failed and this was done about it.
   void note(std::uint64_t step, const std::string& message) { recorder_->fail(step, message); }
+  /// Why the trace has ended: the disk does not take it. A sentence that names no folder; empty: it goes on.
+  [[nodiscard]] std::string problem() const;
 
  private:
-  explicit SimulationTrace(std::unique_ptr<TraceFile> file)
-      : file_(std::move(file)), recorder_(std::make_shared<simulation::TraceRecorder>(*file_)) {}
+  SimulationTrace(std::unique_ptr<TraceFile> file, std::string path)
+      : path_(std::move(path)),
+        file_(std::move(file)),
+        recorder_(std::make_shared<simulation::TraceRecorder>(*file_)) {}
 
+  std::string path_;
+  bool hasBegun_ = false;
   std::unique_ptr<TraceFile> file_;
   std::shared_ptr<simulation::TraceRecorder> recorder_;
 };

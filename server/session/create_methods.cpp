@@ -272,6 +272,12 @@ protocol::Expected<std::string> replaceSimulation(ServerCore& core, SimulationRu
   }
   auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
   hosted->setModelBytes(modelMemory.net());
+  if (!hosted->record().create.save.isKept) {
+    // else the old one would be there again after a restart
+    if (auto problem = core.store().remove(runner.id())) {
+      return tl::unexpected(protocol::Error{ErrorCode::Storage, "Nothing was changed: " + *problem, {}});
+    }
+  }
   runner.replace(std::move(hosted));
   return protocol::encode(resultWithWarnings(runner.hosted(), *compiled));
 }

@@ -1,5 +1,6 @@
 #include "protocol/base64.h"
 #include "protocol/codec.h"
+#include "server/running/simulation_trace.h"
 #include "server/server_core.h"
 #include "server/session/request_work.h"
 #include "server/session/session.h"
@@ -108,18 +109,23 @@ void simulationDelete(const Request& request, protocol::SimulationParams params)
   if (runner == nullptr) {
     return;
   }
-  // after the last turn: no later turn writes the files again or adds a stream. Also when the caller is gone by then
+  // in the last turn: no later one writes the files again or adds a stream. Also when the caller is gone by then. Until
+  // then nobody gets the identifier
   const auto command = makeCommand(request, {});
-  command->advance = [&core, id = request.id, caller = request.session.weak_from_this(),
-                      identifier = core.removeAndHold(params.simulation)](SimulationRunner& self,
-                                                                          Command& last) mutable {
-    self.endStreams("the simulation was deleted");
+  command->advance = [&core, id = request.id, caller = request.session.weak_from_this(), before = runner->closed()](
+                         SimulationRunner& self, Command& last) {
     const auto problem = core.store().remove(self.id());
-    identifier.reset();  // before the answer, after which the caller may use it again
+    if (problem) {
+      self.reopen(before);
+    } else {
+      self.endStreams("the simulation was deleted");
+      SimulationTrace::removeAll(core.environmentServices().traceFolder, self.id());
+      core.remove(self.id());
+    }
     self.publishEndOf(last);
     const auto session = caller.lock();
     if (session != nullptr && problem) {
-      session->respondError(id, {protocol::ErrorCode::Storage, *problem, {}});
+      session->respondError(id, {protocol::ErrorCode::Storage, "Nothing was deleted: " + *problem, {}});
     } else if (session != nullptr) {
       session->respond(id, "{}");
     }

@@ -124,7 +124,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
     }
     return false;
   }
-  runner.setLastError({});
+  runner.setLastError(runner.hosted().traceProblem());
   const bool isLast = isDone(simulation, progress);
   if (isLast || runner.isClosing()) {
     // the controller first, viewers after

@@ -129,6 +129,8 @@ std::optional<std::string> Store::Implementation::open(std::uint64_t maximumByte
     return "the data folder '" + folder_ + "' was made by a newer Espalier. Use that, or give --data another folder.";
   }
   database_.begin();
+  // of simulations that were never saved: nobody can ask for them
+  database_.execute("DELETE FROM checkpoints WHERE simulation NOT IN (SELECT id FROM simulations)");
   // parts of states that were being written when the server was killed
   database_.execute(
       "DELETE FROM parts WHERE id / 1048576 NOT IN (SELECT state FROM simulations UNION SELECT state FROM "

@@ -109,7 +109,7 @@ TEST_F(Deletion, NobodyGetsTheIdentifierBeforeTheLastTurnIsOver) {
   beginLongTurn();
   first.sendDelete();
   const std::string refused = member(second.create(), "error");
-  EXPECT_EQ(member(refused, "message"), "params.simulation: another request deletes this simulation now; ask again");
+  EXPECT_EQ(member(refused, "message"), "The simulation was deleted.");
   endLongTurn();
   EXPECT_EQ(member(first.answer(), "result"), "{}");
   EXPECT_EQ(saved(), 0U);

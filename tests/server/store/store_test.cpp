@@ -197,6 +197,20 @@ TEST(Store, CheckpointsAreKeptByNameAndGoWithTheirSimulation) {
   EXPECT_TRUE(store->checkpoints("sim-1").empty());
 }
 
+TEST(Store, CheckpointsOfASimulationThatWasNeverSavedGoWithTheServer) {
+  const TemporaryFolder folder;
+  {
+    const auto store = openStore(folder.path());
+    ASSERT_EQ(store->save({"sim-1", "one", 0}, "now"), std::nullopt);
+    ASSERT_EQ(store->saveCheckpoint("sim-1", "spring", 3, "third"), std::nullopt);
+    ASSERT_EQ(store->saveCheckpoint("sim-2", "spring", 3, "third"), std::nullopt);
+    EXPECT_EQ(store->checkpoints("sim-2").size(), 1U);
+  }
+  const auto store = openStore(folder.path());
+  EXPECT_EQ(store->readCheckpoint("sim-1", "spring").bytes, "third");
+  EXPECT_TRUE(store->checkpoints("sim-2").empty());
+}
+
 TEST(Store, KeepsModels) {
   const TemporaryFolder folder;
   {
