@@ -48,21 +48,47 @@ void Log::error(std::string_view text, const LogSubject& subject) const {
   implementation_->write(spdlog::level::err, text, subject);
 }
 
+namespace {
+
+/// Whether a character of UTF-8 that begins at `at` ends a line or moves the cursor of a terminal, with its length.
+std::pair<bool, std::size_t> controlAt(std::string_view text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+  const unsigned first = byte(at);
+  if (first < 0x20U || first == 0x7fU) {
+    return {true, 1};
+  }
+  if (first == 0xc2U && byte(at + 1) >= 0x80U && byte(at + 1) < 0xa0U) {
+    return {true, 2};  // U+0080 to U+009F
+  }
+  if (first == 0xe2U && byte(at + 1) == 0x80U && (byte(at + 2) == 0xa8U || byte(at + 2) == 0xa9U)) {
+    return {true, 3};  // the separators of lines and paragraphs
+  }
+  return {false, 1};
+}
+
+}  // namespace
+
 std::string logText(std::string_view text, const LogSubject& subject) {
-  std::string line;
+  constexpr std::size_t kMostNameBytes = 64;
+  std::string said;
   if (!subject.session.empty()) {
-    line += "session " + std::string(subject.session);
+    said += "session " + std::string(subject.session);
   }
   if (!subject.token.empty()) {
-    line += " (" + std::string(subject.token) + ")";
+    said += " (" + std::string(subject.token) + ")";
   }
   if (!subject.simulation.empty()) {
-    line += (line.empty() ? "simulation " : ", simulation ") + std::string(subject.simulation);
+    said +=
+        (said.empty() ? "simulation " : ", simulation ") + std::string(subject.simulation.substr(0, kMostNameBytes));
   }
-  line += line.empty() ? "" : ": ";
-  // a peer's text may try to begin a line of its own
-  for (const char c : text) {
-    line += c == '\n' || c == '\r' ? ' ' : c;
+  said += said.empty() ? "" : ": ";
+  said += text;
+  // a peer's text, and a name that it asks for, may try to begin a line of its own
+  std::string line;
+  for (std::size_t at = 0; at < said.size();) {
+    const auto [isControl, length] = controlAt(said, at);
+    line += isControl ? std::string_view(" ") : std::string_view(said).substr(at, length);
+    at += length;
   }
   return line;
 }

@@ -15,6 +15,15 @@ TEST(Log, ATextLineBeginsWithWhatItIsAbout) {
 
 TEST(Log, APeersTextBeginsNoLine) {
   EXPECT_EQ(logText("a\n2026 error b\r", {}), "a 2026 error b ");
+  EXPECT_EQ(logText("deleted", {.simulation = "x\n2026 error forged"}), "simulation x 2026 error forged: deleted");
+  EXPECT_EQ(logText("\x1b[2J\x1b"
+                    "Ea\tb\x7f",
+                    {}),
+            " [2J Ea b ");
+  EXPECT_EQ(logText("a\u0085b\u2028c\u2029d", {}), "a b c d");
+  EXPECT_EQ(logText("Kořeny ‘é’ 根", {}), "Kořeny ‘é’ 根");
+  EXPECT_EQ(logText("deleted", {.simulation = std::string(1000, 'x')}),
+            "simulation " + std::string(64, 'x') + ": deleted");
 }
 
 TEST(Log, AJsonLineHasMembers) {
