@@ -201,6 +201,21 @@ protocol::Expected<std::string> SavedModels::save(const protocol::SaveModelParam
   if (params.revision != present) {
     return tl::unexpected(changedError(params.name, present));
   }
+  // what it is then must be readable
+  std::size_t count = params.files.size();
+  for (const auto& [name, content] : files) {
+    const bool isGone = std::ranges::find(params.remove, name) != params.remove.end();
+    if (!params.files.contains(name) && !isGone) {
+      ++count;
+      total += content.size();
+    }
+  }
+  if (count > kMostFiles || total > kMostModelBytes) {
+    return tl::unexpected(protocol::memberError(
+        "params.files", "the model would have " + std::to_string(count) + " files of " + std::to_string(total) +
+                            " bytes in all, and may have " + std::to_string(kMostFiles) + " and " +
+                            std::to_string(kMostModelBytes) + ". Remove some with this save."));
+  }
   const std::uint64_t used = mostBytes_ > 0 ? bytes() : 0;
   if (mostBytes_ > 0 && used + added > mostBytes_) {
     return tl::unexpected(

@@ -123,6 +123,32 @@ TEST_F(SavedModelsTest, AllModelsTogetherAreBounded) {
             ErrorCode::Limit);
 }
 
+TEST_F(SavedModelsTest, AModelStaysSmallEnoughToBeRead) {
+  Files many;
+  for (int i = 0; i < 1000; ++i) {
+    many.emplace("f" + std::to_string(i) + ".l", "");
+  }
+  fs::create_directories(folder_ / "roomy");
+  SavedModels roomy((folder_ / "roomy").string(), 0);
+  const auto first = roomy.save({.name = "m", .files = many, .remove = {}, .revision = {}});
+  ASSERT_TRUE(first) << first.error().message;
+  const auto refused = roomy.save({.name = "m", .files = {{"g.l", ""}}, .remove = {}, .revision = *first});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("the model would have 1001 files"), std::string::npos)
+      << refused.error().message;
+  EXPECT_EQ(roomy.read("m")->files.size(), 1000U);
+  const auto exchanged = roomy.save({.name = "m", .files = {{"g.l", ""}}, .remove = {"f0.l"}, .revision = *first});
+  ASSERT_TRUE(exchanged) << exchanged.error().message;
+  EXPECT_EQ(roomy.read("m")->files.size(), 1000U);
+  // the bytes of all files, not of the new ones alone
+  const auto large =
+      roomy.save({.name = "n", .files = {{"a.png", std::string(30'000'000, 'a')}}, .remove = {}, .revision = {}});
+  ASSERT_TRUE(large);
+  EXPECT_FALSE(
+      roomy.save({.name = "n", .files = {{"b.png", std::string(30'000'000, 'b')}}, .remove = {}, .revision = *large}));
+  EXPECT_TRUE(roomy.read("n"));
+}
+
 TEST_F(SavedModelsTest, AServerWithoutTheFolderKeepsNone) {
   SavedModels none("", 0);
   EXPECT_FALSE(none.isOn());
