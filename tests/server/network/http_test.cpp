@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <memory>
 #include <string>
@@ -110,6 +111,35 @@ TEST(Http, DownloadsThatNobodyReadsCountForTheAccount) {
   RawPeer reader(server.httpAddress());
   reader.send(request);
   EXPECT_EQ(reader.line(), "HTTP/1.1 200 OK");
+}
+
+TEST(Http, APeerThatLeavesGivesItsDownloadUp) {
+  const RunningServer server(withHttp(5'000));
+  const auto controller = connectTo(server);
+  std::atomic<bool> isAsked{false};
+  std::atomic<bool> isReleased{false};
+  const OfferingEnvironment environment(
+      server, "slow", [&](client::Client& self, const client::IncomingRequest& request) {
+        if (request.method != "environment.step") {
+          (void)self.respondError(request.id, {protocol::ErrorCode::UnknownMethod, "no", {}});
+          return;
+        }
+        isAsked = true;
+        isAsked.notify_all();
+        isReleased.wait(false);
+        (void)self.respond(request.id, R"({"replies":[{"id":0,"parameters":[1]}]})");
+      });
+  const std::string simulation = create(*controller, kGrowth, R"([{"type":"offered","name":"slow"}])");
+  const auto step = controller->send("simulation.step", named(simulation)).value();
+  isAsked.wait(false);
+  // the simulation has no turn for it before the environment answers
+  RawPeer peer(server.httpAddress());
+  peer.send("GET /simulations/" + simulation + "/plant.obj HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  peer.endSending();
+  EXPECT_EQ(peer.line(), "(closed)");
+  isReleased = true;
+  isReleased.notify_all();
+  resultOf(controller->waitFor(step, std::chrono::seconds(30)));
 }
 
 }  // namespace
