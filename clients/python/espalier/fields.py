@@ -29,6 +29,8 @@ MOST_CELLS = 200_000_000
 AXES = ("x", "y", "z")
 # y is up in a model; the conventions call the vertical axis Z
 CF_AXES = {"x": "X", "y": "Z", "z": "Y"}
+# the numbers in cells that nobody wrote (netcdf.h, NC_FILL_)
+NEVER_WRITTEN = {"f8": 9.969209968386869e36, "f4": 9.969209968386869e36, "i2": -32767, "i4": -2147483647, "u2": 65535, "u4": 4294967295}
 STANDARD_NAMES = {"waterContent": "volume_fraction_of_condensed_water_in_soil"}
 
 
@@ -186,6 +188,45 @@ def _grid(data: Any) -> Grid:
     return grid
 
 
+def _numbers(variable: Any, name: str, hasMissing: bool = True) -> Any:
+    """The values of a variable of a file, unpacked as section 8.1 of the conventions says. Missing values raise FieldError."""
+    try:
+        stored = variable.values
+    except Exception as error:  # whatever the libraries raise on damaged bytes
+        raise FieldError(f"{name} cannot be read ({_said(error)}): the file is damaged, so copy it or write it again.") from None
+    if stored.dtype.kind not in "iuf":
+        raise FieldError(f"{name} holds {stored.dtype} and not numbers: remove it, or write it as numbers.")
+    try:
+        return _unpacked(stored, variable.attrs, name, hasMissing)
+    except (TypeError, ValueError) as error:
+        raise FieldError(f"the attributes of {name} for missing or packed values are not numbers ({_said(error)}): mend them.") from None
+
+
+def _unpacked(stored: Any, attributes: Any, name: str, hasMissing: bool) -> Any:
+    import numpy
+
+    isUnsigned = stored.dtype.kind == "i" and str(attributes.get("_Unsigned", "")).lower() == "true"
+    kind = numpy.dtype(stored.dtype.str.replace("i", "u")) if isUnsigned else stored.dtype
+    stored = stored.view(kind)
+    if hasMissing:
+        # a cell that was never written holds the number that netCDF has for its type
+        marks = [NEVER_WRITTEN[kind.str[1:]]] if kind.str[1:] in NEVER_WRITTEN and "_FillValue" not in attributes else []
+        marks += [attributes[key] for key in ("_FillValue", "missing_value") if key in attributes]
+        isMissing = ~numpy.isfinite(stored)
+        for mark in marks:
+            isMissing |= numpy.isin(stored, numpy.atleast_1d(mark).astype(kind.str.replace("u", "i")).astype(kind))
+        low, high = attributes.get("valid_range", (attributes.get("valid_min"), attributes.get("valid_max")))
+        isMissing |= (False if low is None else stored < low) | (False if high is None else stored > high)
+        if isMissing.any():
+            raise FieldError(f"{name} has values that are missing or not finite: fill them first.")
+    packing = [numpy.asarray(attributes[key]).reshape(()) for key in ("scale_factor", "add_offset") if key in attributes]
+    if packing:
+        isSingle = all(number.dtype == "f4" for number in packing) and (kind.itemsize <= 2 or kind == "f4")
+        unpacked = numpy.dtype("f4" if isSingle else "f8").type
+        stored = stored.astype(unpacked) * unpacked(attributes.get("scale_factor", 1)) + unpacked(attributes.get("add_offset", 0))
+    return stored
+
+
 def fields_of(data: Any, step: int = -1) -> Fields:
     """The quantities of a step (the last) of a data set with the dimensions x, y, z and perhaps one more, its times. Raises
     FieldError."""
@@ -203,25 +244,41 @@ def fields_of(data: Any, step: int = -1) -> Fields:
         chosen = variable.isel({times[0]: step}) if times else variable
         if not re.fullmatch(r"[\w.-]+", name):
             raise FieldError(f"the quantity {name!r} has a name that no file can hold: use letters, digits and points.")
-        values = numpy.ascontiguousarray(chosen.transpose("z", "y", "x").values, dtype="<f8")
-        if not numpy.isfinite(values).all():
-            raise FieldError(f"{name} has values that are missing or not finite: fill them first.")
+        values = numpy.ascontiguousarray(_numbers(chosen.transpose("z", "y", "x"), name), dtype="<f8")
         quantities[name] = (re.sub(r'[<>&"]', "", str(variable.attrs.get("units", "1"))), values.tobytes())
     if not quantities:
         raise FieldError("the data set has no quantity over x, y and z: its variables need these three dimensions.")
     return Fields(grid, quantities)
 
 
+def _said(error: Exception) -> str:
+    return f"{type(error).__name__}: {str(error).splitlines()[0].rstrip('.') if str(error) else 'no reason'}"
+
+
 def open_dataset(path: "str | os.PathLike[str]") -> Any:
-    """Opens a .nc file or .zarr folder. Raises FieldError."""
+    """Opens a .nc file or .zarr folder. The numbers are as they are stored: times are not dates, and `fields_of` unpacks. Raises
+    FieldError."""
     xarray = _xarray()
+    asStored = {"decode_times": False, "decode_timedelta": False, "mask_and_scale": False}
     try:
-        if str(path).rstrip("/").endswith(".zarr"):
-            return xarray.open_zarr(path, consolidated=None)
-        return xarray.open_dataset(path)
+        if not str(path).rstrip("/").endswith(".zarr"):
+            return xarray.open_dataset(path, **asStored)
+        import zarr  # type: ignore[import]
+
+        data = xarray.open_zarr(path, chunks=None, consolidated=(Path(path) / ".zmetadata").is_file(), **asStored)
+        arrays = dict(zarr.open_group(str(path), mode="r").arrays())
     except Exception as error:  # whatever the libraries raise on a stranger's file
-        raise FieldError(f"{path} cannot be opened ({type(error).__name__}: {str(error).splitlines()[0] if str(error) else 'no reason'}): "
-                         "give a .nc file or a .zarr folder that is complete.") from None
+        raise FieldError(f"{path} cannot be opened ({_said(error)}): give a .nc file or a .zarr folder that is complete.") from None
+    for name, variable in data.variables.items():
+        array = arrays[name]
+        if array.fill_value is None and array.nchunks_initialized < array.nchunks:
+            raise FieldError(f"{path} has {array.nchunks_initialized} of {array.nchunks} parts of {name}: copy it again.")
+        # xarray takes every fill value for a mark of missing data, but 0 is what zarr writes when nobody chose
+        if "_FillValue" in array.attrs:
+            variable.attrs["_FillValue"] = array.attrs["_FillValue"]
+        elif name in data.dims or array.fill_value == 0:
+            variable.attrs.pop("_FillValue", None)
+    return data
 
 
 def _save(data: Any, path: Path) -> None:
