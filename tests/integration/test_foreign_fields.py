@@ -164,5 +164,119 @@ class Numbers(Foreign):
         self.refused(None, "has 11 of 12 parts of swc", "f.zarr")
 
 
+@unittest.skipUnless(HAS_LIBRARIES, "xarray, netCDF4 or zarr is not installed (Debian: python3-xarray python3-netcdf4 python3-zarr)")
+class Axes(Foreign):
+    def own(self) -> Any:
+        """A data set that Espalier wrote: cells of 0.1 × 0.2 × 0.5 from 1, 2 and 3."""
+        raw = struct.pack("<48d", *range(48))
+        grid = fields.Grid((6, 4, 2), (1.0, 2.0, 3.0), (0.1, 0.2, 0.5))
+        return fields.dataset([fields.Fields(grid, {"swc": ("1", raw)})])
+
+    def noted(self, data: Any) -> Tuple[fields.Fields, str]:
+        data.to_netcdf(self.folder / "foreign.nc")
+        status, said = said_by(str(self.folder / "foreign.nc"), str(self.folder / "out.vti"))
+        self.assertEqual(status, 0, said)
+        return fields.read_vti(self.folder / "out.vti"), said
+
+    def test_what_xarray_cut_thinned_or_joined_has_new_cells(self) -> None:
+        own = self.own()
+        for data, count, low, size, note in (
+                (own, 6, 1, 0.1, ""), (own.isel(x=slice(2, 4)), 2, 1.2, 0.1, ""), (own.isel(x=slice(0, 3)), 3, 1, 0.1, ""),
+                (own.isel(x=slice(0, 1)), 1, 1, 0.1, ""),
+                # cells of 0.1 around 1.05, 1.25 and 1.45: those in between are not there
+                (own.isel(x=slice(0, 6, 2)), 3, 0.95, 0.2, "x_bnds does not fit x"),
+                (own.coarsen(x=2).mean(), 3, 1, 0.2, "x_bnds does not fit x"),
+                (own.assign_coords(x=own.x + 0.03), 6, 1.03, 0.1, "x_bnds does not fit x"),
+                (own.isel(x=slice(None, None, -1)), 6, 1, 0.1, "")):
+            with self.subTest(low=low, size=size):
+                # arithmetic with coordinates loses their attributes
+                data.x.attrs.update(own.x.attrs)
+                found, said = self.noted(data)
+                self.assertCells(found, "x", count, low, size)
+                self.assertCells(found, "y", 4, 2, 0.2)
+                self.assertRegex(said, f"^note: .*{note}.*\\.\n$" if note else "^$")
+        self.assertEqual(self.values(self.noted(own.isel(x=slice(2, 4)))[0])[:3], [2, 3, 8])
+        # one cell of six that were joined, or one that was cut out
+        for one in (own.coarsen(x=3).mean().isel(x=slice(1, 2)), own.isel(x=slice(4, 5))):
+            self.refused(one, "size of the one cell along x is not sure")
+        del one.attrs["espalier_cell_size"]
+        self.assertCells(self.converted(one), "x", 1, 1.4, 0.1)
+
+    def vertical(self, name: str, **attributes: str) -> Any:
+        data = self.base()
+        data[name].attrs.update(attributes)
+        return data
+
+    def test_a_vertical_z_becomes_y(self) -> None:
+        # the value at (x, y, z) is x + 4 y + 12 z, in numbers of cells
+        up = self.vertical("z", axis="Z", positive="up", standard_name="height")
+        up.x.attrs["axis"], up.y.attrs["axis"] = "X", "Y"
+        found, said = self.noted(up)
+        self.assertEqual(said, "")
+        self.assertCells(found, "x", 4, -0.05, 0.1)
+        # up is y, and south (-y) is z
+        self.assertCells(found, "y", 2, -0.25, 0.5)
+        self.assertCells(found, "z", 3, -0.25, 0.1)
+        self.assertEqual(self.values(found), [x + 4 * (2 - z) + 12 * y for z in range(3) for y in range(2) for x in range(4)])
+        for attributes in ({"positive": "down"}, {"standard_name": "depth"}, {"axis": "Z", "positive": "down", "standard_name": "depth_below_geoid"}):
+            found = self.converted(self.vertical("z", **attributes))
+            self.assertCells(found, "y", 2, -0.75, 0.5)
+            self.assertEqual(self.values(found), [x + 4 * (2 - z) + 12 * (1 - y) for z in range(3) for y in range(2) for x in range(4)])
+
+    def test_a_vertical_y_stays_y(self) -> None:
+        data = self.vertical("y", axis="Z", positive="up")
+        found, said = self.noted(data)
+        self.assertEqual((said, self.values(found)), ("", list(range(24))))
+        found = self.converted(self.vertical("y", positive="down"))
+        self.assertCells(found, "y", 3, -0.25, 0.1)
+        self.assertEqual(self.values(found)[:5], [8, 9, 10, 11, 4])
+        self.assertRegex(self.noted(self.base())[1], "^note: .*y is taken as up")
+
+    def test_axes_that_contradict_are_refused(self) -> None:
+        for name, attributes, said in (
+                ("z", {"axis": "Z"}, "vertical without a direction"), ("z", {"axis": "Y", "positive": "up"}, "of z contradict"),
+                ("z", {"standard_name": "depth", "positive": "up"}, "of z contradict"), ("y", {"axis": "Y"}, r"declared as the axes \?, Y, \?"),
+                ("x", {"positive": "up"}, "declared as the axes Z"), ("x", {"standard_name": "projection_y_coordinate"}, "the axes Y"),
+                ("z", {"positive": "sideways"}, "of z contradict")):
+            with self.subTest(attributes):
+                self.refused(self.vertical(name, **attributes), said)
+        data = self.vertical("z", positive="up")
+        data.y.attrs["positive"] = "up"
+        self.refused(data, r"declared as the axes \?, Z, Z")
+
+    def bounded(self, middles: List[float], bounds: List[List[float]], name: str = "x_bounds") -> Any:
+        data = self.base(nx=len(middles))
+        data = data.assign_coords(x=("x", middles, {"units": "m", "bounds": name}))
+        data[name] = (("x", "nv"), bounds)
+        return data
+
+    def test_bounds_are_found_by_their_attribute_and_checked(self) -> None:
+        self.assertCells(self.converted(self.bounded([0.1], [[0.0, 0.3]])), "x", 1, 0, 0.3)
+        # a coordinate need not be in the middle of its cell
+        self.assertCells(self.converted(self.bounded([0.2, 0.4], [[0.0, 0.2], [0.2, 0.4]])), "x", 2, 0, 0.2)
+        found = self.converted(self.bounded([0.3, 0.1], [[0.4, 0.2], [0.2, 0.0]]))
+        self.assertCells(found, "x", 2, 0, 0.2)
+        self.assertEqual(self.values(found)[:2], [1, 0])
+        for middles, bounds in (([0, 0.1, 0.5, 1.5], [[-0.05, 0.05], [0.05, 0.2], [0.2, 1], [1, 2]]),
+                                ([0.05, 0.25], [[0, 0.1], [0.2, 0.3]]), ([5.0, 6.0], [[0, 1], [1, 2]]), ([0.5, 1.5], [[0, 1.5], [0.5, 2]])):
+            with self.subTest(bounds):
+                self.refused(self.bounded(middles, bounds), "bounds x_bounds are not those of equal cells side by side")
+        self.refused(self.bounded([0.5, 1.5], [[0, 0.5, 1], [1, 1.5, 2]]), r"have the shape \(2, 3\): 2 cells along x need 2 × 2")
+
+    def test_axes_in_single_precision_and_descending_axes_are_read(self) -> None:
+        import numpy
+        import xarray
+
+        axis = numpy.arange(100, dtype="f4") * numpy.float32(0.01) + numpy.float32(4.5)
+        found = self.converted(xarray.Dataset({"swc": (("z", "y", "x"), numpy.zeros((2, 2, 100)))}, {"x": axis, "y": [0.0, 1], "z": [0.0, 1]}))
+        self.assertEqual(found.grid.cells[0], 100)
+        self.assertAlmostEqual(found.grid.spacing[0], 0.01, places=7)
+        self.assertAlmostEqual(found.grid.position[0], 4.495, places=5)
+        self.assertEqual(self.converted(self.base().isel(y=slice(None, None, -1), z=[1, 0])), self.converted(self.base()))
+        # places that single precision cannot tell apart
+        axis = numpy.arange(9, dtype="f4") * numpy.float32(0.3) + numpy.float32(4e6)
+        self.refused(xarray.Dataset({"swc": (("z", "y", "x"), numpy.zeros((2, 2, 9)))}, {"x": axis, "y": [0.0, 1], "z": [0.0, 1]}), "not equal")
+
+
 if __name__ == "__main__":
     unittest.main()

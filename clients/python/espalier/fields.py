@@ -18,6 +18,7 @@ import shutil
 import struct
 import sys
 import tempfile
+import warnings
 import xml.etree.ElementTree as xml
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
@@ -36,6 +37,10 @@ STANDARD_NAMES = {"waterContent": "volume_fraction_of_condensed_water_in_soil"}
 
 class FieldError(Exception):
     """A file that cannot be read or written: one sentence, with what to do."""
+
+
+class FieldWarning(UserWarning):
+    """What was left out of a file, or taken for granted: one sentence."""
 
 
 class Grid(NamedTuple):
@@ -151,41 +156,12 @@ def dataset(steps: Sequence[Fields], numbers: "Sequence[int] | None" = None) -> 
     return xarray.Dataset(variables, coordinates, described)
 
 
-def _spacing(values: Any, name: str) -> Tuple[float, float]:
-    """(low edge, size) of equal cells with these middles."""
-    import numpy
-
-    middles = numpy.asarray(values, dtype=float)
-    if len(middles) < 2:
-        raise FieldError(f"the axis {name} has one cell and no bounds: its size is not known. Add {name}_bnds.")
-    steps = numpy.diff(middles)
-    if not numpy.isfinite(middles).all() or steps.min() <= 0 or abs(steps - steps[0]).max() > 1e-6 * steps[0]:
-        raise FieldError(f"the cells along {name} are not equal and rising: interpolate them to equal cells first.")
-    return float(middles[0] - steps[0] / 2), float(steps[0])
+def _said(error: Exception) -> str:
+    return f"{type(error).__name__}: {str(error).splitlines()[0].rstrip('.') if str(error) else 'no reason'}"
 
 
-def _grid(data: Any) -> Grid:
-    missing = [name for name in AXES if name not in data.coords or data[name].dims != (name,)]
-    if missing:
-        raise FieldError(f"the data set has no axis {missing[0]}: it needs the coordinates x, y and z in metres.")
-    for name in AXES:
-        if data[name].attrs.get("units", "m") not in ("m", "metre", "meter", "metres", "meters"):
-            raise FieldError(f"the axis {name} is in {data[name].attrs['units']!r}: convert it to metres, or remove its units if "
-                             "the lengths are those of the model.")
-    cells = tuple(int(data.sizes[name]) for name in AXES)
-    position, spacing = data.attrs.get("espalier_position"), data.attrs.get("espalier_cell_size")
-    if position is not None and spacing is not None and len(position) == len(spacing) == 3:
-        grid = Grid(cells, tuple(map(float, position)), tuple(map(float, spacing)))  # type: ignore[arg-type]
-    else:
-        pairs = []
-        for name in AXES:
-            bounds = data.get(f"{name}_bnds")
-            size = len(data[name])
-            pairs.append((float(bounds[0, 0]), float(bounds[size - 1, 1] - bounds[0, 0]) / size) if bounds is not None
-                         else _spacing(data[name].values, name))
-        grid = Grid(cells, tuple(low for low, _ in pairs), tuple(size for _, size in pairs))  # type: ignore[arg-type]
-    _count(grid, "the data set")
-    return grid
+def _note(text: str) -> None:
+    warnings.warn(text, FieldWarning, stacklevel=2)
 
 
 def _numbers(variable: Any, name: str, hasMissing: bool = True) -> Any:
@@ -227,13 +203,103 @@ def _unpacked(stored: Any, attributes: Any, name: str, hasMissing: bool) -> Any:
     return stored
 
 
+def _turned(data: Any) -> List[Tuple[str, int]]:
+    """The coordinate along x, y and z of a model, and its sign. Where z is declared vertical, the axes are turned as those of LAS
+    files: x stays, up is y, and -y is z."""
+    roles, ways = "", {}
+    for name in AXES:
+        said = {key: str(value) for key, value in data[name].attrs.items()}
+        standard = re.fullmatch(r"(altitude|height|(depth))(_.+)?|projection_([xy])_coordinate", said.get("standard_name", "")) or [""] * 5
+        way = {said.get("positive", "").lower(), "down" if standard[2] else "up" if standard[1] else ""} - {""}
+        role = {said.get("axis", "").upper(), (standard[4] or "").upper(), "Z" if way else ""} - {""}
+        if len(role) > 1 or len(way) > 1 or not way <= {"up", "down"}:
+            raise FieldError(f"the attributes axis, positive and standard_name of {name} contradict each other: mend or remove them.")
+        roles += "".join(role) or "?"
+        ways[name] = "".join(way)
+    if re.fullmatch("[X?][Y?]Z", roles):
+        if not ways["z"]:
+            raise FieldError("the axis z is vertical without a direction: add its attribute positive, 'up' or 'down'.")
+        return [("x", 1), ("z", 1 if ways["z"] == "up" else -1), ("y", -1)]
+    if not re.fullmatch("[X?][Z?][Y?]", roles):
+        raise FieldError(f"x, y and z are declared as the axes {', '.join(roles)}: y or z must be Z, with the attribute positive, 'up' or 'down'.")
+    if "Z" not in roles:
+        _note("no axis is declared vertical, and y is taken as up: declare it with the attributes axis = 'Z' and positive.")
+    return [("x", 1), ("y", -1 if ways["y"] == "down" else 1), ("z", 1)]
+
+
+def _cells(data: Any, name: str, sign: int, own: "Tuple[float, float] | None") -> Tuple[float, float, int]:
+    """Low edge and size of equal cells along an axis, and -1 where it descends. `own` is what Espalier wrote of it."""
+    import numpy
+
+    found = _numbers(data[name], name, hasMissing=False)
+    count, middles = len(found), sign * found.astype("f8")
+    step = -1 if middles[-1] < middles[0] else 1
+    middles = middles[::step]
+    rounding = 4 * float(numpy.finfo(found.dtype if found.dtype.kind == "f" else "f8").eps) * abs(middles).max()
+
+    def areNear(values: Any, place: float, low: float, size: float) -> bool:
+        return bool(abs(values - low - size * (numpy.arange(count) + place)).max() <= max(1e-6 * size, min(rounding, 0.01 * size)))
+
+    if own is not None and sign == 1 and abs(middles - own[0] - own[1] * (numpy.arange(count) + 0.5)).max() <= rounding:
+        return (*own, step)
+    named = str(data[name].attrs.get("bounds", data[name].encoding.get("bounds", f"{name}_bnds")))
+    if named in data.variables:
+        edges = sign * _numbers(data[named], named, hasMissing=False).astype("f8")
+        if edges.shape != (count, 2):
+            raise FieldError(f"the bounds {named} have the shape {edges.shape}: {count} cells along {name} need {count} × 2.")
+        edges = numpy.sort(edges[::step], axis=1)
+        low, size = float(edges[0, 0]), float(edges[-1, 1] - edges[0, 0]) / count
+        join = areNear(edges[:, 0], 0, low, size) and areNear(edges[:, 1], 1, low, size)
+        if join and (areNear(middles, 0.5, low, size) or (own is None and (edges[:, 0] <= middles).all() and (middles <= edges[:, 1]).all())):
+            # cells that were joined to one look like one that was cut out
+            if own is not None and count == 1:
+                raise FieldError(f"the size of the one cell along {name} is not sure, because the data set was changed: make {named} right, "
+                                 "then remove the attribute espalier_cell_size.")
+            return low, size, step
+        if own is None:
+            raise FieldError(f"the bounds {named} are not those of equal cells side by side around {name}: interpolate to equal cells first.")
+        # functions that join, thin or move cells leave the bounds that Espalier wrote as they were, or take their mean
+        _note(f"{named} does not fit {name} any more, and is not used: the cells are taken to fill the space between the middles.")
+    if count < 2:
+        raise FieldError(f"the axis {name} has one cell and no bounds around it: its size is not known. Add {name}_bnds.")
+    size = float(middles[-1] - middles[0]) / (count - 1)
+    low = float(middles[0]) - size / 2
+    if not areNear(middles, 0.5, low, size):
+        raise FieldError(f"the cells along {name} are not equal and rising or falling: interpolate them to equal cells first.")
+    return low, size, step
+
+
+def _grid(data: Any) -> Tuple[Grid, List[str], Tuple[int, ...]]:
+    """The cells of a data set, its axes that are x, y and z of a model, and -1 for each that descends."""
+    missing = [name for name in AXES if name not in data.coords or data[name].dims != (name,)]
+    if missing:
+        raise FieldError(f"the data set has no axis {missing[0]}: it needs the coordinates x, y and z in metres.")
+    for name in AXES:
+        if data[name].attrs.get("units", "m") not in ("m", "metre", "meter", "metres", "meters"):
+            raise FieldError(f"the axis {name} is in {data[name].attrs['units']!r}: convert it to metres, or remove its units if "
+                             "the lengths are those of the model.")
+    sources = _turned(data)
+    counts: Any = tuple(int(data.sizes[name]) for name, _ in sources)
+    _count(Grid(counts, (0, 0, 0), (1, 1, 1)), "the data set")
+    try:
+        own: Any = [tuple(map(float, data.attrs[key])) for key in ("espalier_position", "espalier_cell_size")]
+        owns = dict(zip(AXES, zip(*own)))
+    except (KeyError, TypeError, ValueError):
+        owns = {}
+    found: Any = [_cells(data, name, sign, owns.get(name)) for name, sign in sources]
+    lows, sizes, ways = zip(*found)
+    grid = Grid(counts, lows, sizes)
+    _count(grid, "the data set")
+    return grid, [name for name, _ in sources], ways
+
+
 def fields_of(data: Any, step: int = -1) -> Fields:
     """The quantities of a step (the last) of a data set with the dimensions x, y, z and perhaps one more, its times. Raises
     FieldError."""
     _xarray()
     import numpy
 
-    grid = _grid(data)
+    grid, names, ways = _grid(data)
     quantities = {}
     # a Zarr folder has no order of its own
     order = str(data.attrs.get("espalier_quantities", "")).split()
@@ -244,15 +310,11 @@ def fields_of(data: Any, step: int = -1) -> Fields:
         chosen = variable.isel({times[0]: step}) if times else variable
         if not re.fullmatch(r"[\w.-]+", name):
             raise FieldError(f"the quantity {name!r} has a name that no file can hold: use letters, digits and points.")
-        values = numpy.ascontiguousarray(_numbers(chosen.transpose("z", "y", "x"), name), dtype="<f8")
+        values = numpy.ascontiguousarray(_numbers(chosen.transpose(*names[::-1]), name)[::ways[2], ::ways[1], ::ways[0]], dtype="<f8")
         quantities[name] = (re.sub(r'[<>&"]', "", str(variable.attrs.get("units", "1"))), values.tobytes())
     if not quantities:
         raise FieldError("the data set has no quantity over x, y and z: its variables need these three dimensions.")
     return Fields(grid, quantities)
-
-
-def _said(error: Exception) -> str:
-    return f"{type(error).__name__}: {str(error).splitlines()[0].rstrip('.') if str(error) else 'no reason'}"
 
 
 def open_dataset(path: "str | os.PathLike[str]") -> Any:
@@ -331,11 +393,16 @@ def main(arguments: "List[str] | None" = None) -> int:
     parser.add_argument("target", help=".nc, .zarr or .vti")
     parser.add_argument("--step", type=int, default=-1, help="for a .vti: the place of the step in the data set, from 0 (the last)")
     options = parser.parse_args(arguments)
-    try:
-        convert(options.source, options.target, options.step)
-    except FieldError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        try:
+            convert(options.source, options.target, options.step)
+        except FieldError as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 1
+    # warnings of the libraries are about their own code
+    for text in dict.fromkeys(str(note.message) for note in notes if isinstance(note.message, FieldWarning)):
+        print(f"note: {text}", file=sys.stderr)
     return 0
 
 
