@@ -5,7 +5,6 @@ import importlib.util
 import io
 import os
 import shutil
-import signal
 import struct
 import subprocess
 import sys
@@ -198,7 +197,7 @@ class Axes(Foreign):
         self.assertEqual(self.values(self.noted(own.isel(x=slice(2, 4)))[0])[:3], [2, 3, 8])
         # one cell of six that were joined, or one that was cut out
         for one in (own.coarsen(x=3).mean().isel(x=slice(1, 2)), own.isel(x=slice(4, 5))):
-            self.refused(one, "size of the one cell along x is not sure")
+            self.refused(one, "x has one cell and no bounds that are sure")
         del one.attrs["espalier_cell_size"]
         self.assertCells(self.converted(one), "x", 1, 1.4, 0.1)
 
@@ -234,7 +233,7 @@ class Axes(Foreign):
 
     def test_axes_that_contradict_are_refused(self) -> None:
         for name, attributes, said in (
-                ("z", {"axis": "Z"}, "vertical without a direction"), ("z", {"axis": "Y", "positive": "up"}, "of z contradict"),
+                ("z", {"axis": "Z"}, "declared as the axes ., ., Z: y or z must be Z, with the attribute positive"), ("z", {"axis": "Y", "positive": "up"}, "of z contradict"),
                 ("z", {"standard_name": "depth", "positive": "up"}, "of z contradict"), ("y", {"axis": "Y"}, r"declared as the axes \?, Y, \?"),
                 ("x", {"positive": "up"}, "declared as the axes Z"), ("x", {"standard_name": "projection_y_coordinate"}, "the axes Y"),
                 ("z", {"positive": "sideways"}, "of z contradict")):
@@ -276,6 +275,103 @@ class Axes(Foreign):
         # places that single precision cannot tell apart
         axis = numpy.arange(9, dtype="f4") * numpy.float32(0.3) + numpy.float32(4e6)
         self.refused(xarray.Dataset({"swc": (("z", "y", "x"), numpy.zeros((2, 2, 9)))}, {"x": axis, "y": [0.0, 1], "z": [0.0, 1]}), "not equal")
+
+
+@unittest.skipUnless(HAS_LIBRARIES, "xarray, netCDF4 or zarr is not installed (Debian: python3-xarray python3-netcdf4 python3-zarr)")
+class Files(Foreign):
+    def test_variables_that_are_left_out_are_named(self) -> None:
+        data = self.base()
+        data["swc2"] = data.swc.expand_dims(time=2, member=3)
+        data["total"] = data.swc.sum()
+        data.to_netcdf(self.folder / "a.nc")
+        status, said = said_by(str(self.folder / "a.nc"), str(self.folder / "out.vti"))
+        self.assertEqual(status, 0)
+        self.assertRegex(said, r"note: swc2\(time, member, z, y, x\), total\(\) cannot be read: a quantity has .*\.\n")
+        self.assertEqual(list(fields.read_vti(self.folder / "out.vti").quantities), ["swc"])
+        self.refused(data.drop_vars("swc"), r"has no quantity, and swc2\(time, member, z, y, x\), total\(\) cannot be read")
+
+    def test_groups_are_listed_and_chosen(self) -> None:
+        for name in ("a.nc", "a.zarr"):
+            with self.subTest(name):
+                source, target = str(self.folder / name), str(self.folder / "out.vti")
+                write = self.base().to_zarr if name.endswith("zarr") else self.base().to_netcdf
+                write(source, group="soil/top", mode="w")
+                self.assertIn("are in groups (soil): choose one with --group", said_by(source, target)[1])
+                self.assertIn("are in groups (soil/top): choose", said_by(source, target, "--group", "soil")[1])
+                self.assertEqual(said_by(source, target, "--group", "soil/top")[0], 0)
+                self.assertEqual(self.values(fields.read_vti(target)), list(range(24)))
+                self.assertRegex(said_by(source, target, "--group", "rock")[1], r"^error: .* cannot be opened .*\.\n$")
+                self.assertEqual(said_by(source, str(self.folder / "b.nc"), "--group", "soil/top")[0], 0)
+                self.assertEqual(self.values(self.read("b.nc")), list(range(24)))
+
+    def test_damaged_values_are_refused_by_name(self) -> None:
+        data = self.base(40, 30, 20)
+        data.to_netcdf(self.folder / "good.nc", encoding={"swc": {"zlib": True, "chunksizes": (5, 10, 10)}})
+        raw = (self.folder / "good.nc").read_bytes()
+        half = len(raw) // 2
+        (self.folder / "flip.nc").write_bytes(raw[:half] + b"\xff" * 2000 + raw[half + 2000:])
+        for target in ("out.vti", "out.nc", "out.zarr"):
+            status, said = said_by(str(self.folder / "flip.nc"), str(self.folder / target))
+            self.assertEqual(status, 1)
+            self.assertRegex(said, r"^error: swc cannot be read \(RuntimeError: .*\): the file is damaged, so copy it or write it again\.\n$")
+        self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["flip.nc", "good.nc"])
+
+    def test_a_target_that_cannot_be_written_is_refused(self) -> None:
+        self.base().to_netcdf(self.folder / "a.nc")
+        (self.folder / "file").touch()
+        for target in ("nowhere/out.vti", "nowhere/out.nc", "nowhere/out.zarr", "file/out.vti"):
+            status, said = said_by(str(self.folder / "a.nc"), str(self.folder / target))
+            self.assertEqual(status, 1)
+            self.assertRegex(said, r"^error: .* cannot be written \(.*\): give a path in a folder that exists and has room\.\n$")
+
+    def test_steps_that_are_not_there_are_refused(self) -> None:
+        self.base().expand_dims(time=[0.0, 1.0]).to_netcdf(self.folder / "a.nc")
+        for step in ("2", "-3"):
+            self.assertIn(f"has no step {step}", said_by(str(self.folder / "a.nc"), str(self.folder / "out.vti"), "--step", step)[1])
+
+    def grid(self, name: str, counts: Dict[str, int]) -> str:
+        """A small file of many cells that nobody wrote."""
+        import netCDF4
+        import numpy
+
+        with netCDF4.Dataset(self.folder / name, "w") as file:
+            for axis, count in counts.items():
+                file.createDimension(axis, count)
+                file.createVariable(axis, "f8", (axis,))[:] = numpy.arange(count)
+            file.createVariable("q", "f8", ("z", "y", "x"), zlib=True, chunksizes=(10, 1000, 1000))
+        return str(self.folder / name)
+
+    def test_a_small_file_of_many_cells_is_refused_at_once(self) -> None:
+        bomb = self.grid("bomb.nc", {"x": 1000, "y": 1000, "z": 190})
+        self.assertLess(os.path.getsize(bomb), 100_000)
+        for target in ("out.vti", "out.zarr", "out.nc"):
+            self.assertIn("has 190000000 cells, and from 1 to 20000000 can be read", said_by(bomb, str(self.folder / target))[1])
+        self.assertEqual([path.name for path in self.folder.iterdir()], ["bomb.nc"])
+        self.base().to_netcdf(self.folder / "a.nc")
+        command = [sys.executable, "-m", "espalier.fields", str(self.folder / "a.nc"), str(self.folder / "out.vti")]
+        for most, status in (("23", 1), ("24", 0), ("many", 0)):
+            done = subprocess.run(command, env=variables(ESPALIER_FIELD_CELLS=most), check=False, capture_output=True, timeout=SECONDS)
+            self.assertEqual(done.returncode, status, done.stderr)
+
+    def test_pieces_of_a_file_are_the_file(self) -> None:
+        # more than two pieces of 3 MiB, and a last one that needs padding
+        count = 2 * 3 * 2**20 // 8 + 5
+        raw = os.urandom(8 * count)
+        found = fields.Fields(fields.Grid((count, 1, 1), (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), {"q": ("1", raw), "r": ("m", raw[::-1])})
+        (self.folder / "big.vti").write_text("".join(fields.vti_text(found)), encoding="utf-8")
+        self.assertEqual(fields.read_vti(self.folder / "big.vti"), found)
+
+    def test_an_ended_conversion_leaves_nothing(self) -> None:
+        self.base().to_netcdf(self.folder / "a.nc")
+        # the program ends itself while it writes
+        code = ("import base64, os, runpy, signal\n"
+                "base64.b64encode = lambda data: [print(os.listdir(folder), flush=True), os.kill(os.getpid(), signal.SIGTERM)] and b''\n"
+                "import sys; folder = os.path.dirname(sys.argv[1]); runpy.run_module('espalier.fields', run_name='__main__')")
+        done = subprocess.run([sys.executable, "-c", code, str(self.folder / "a.nc"), str(self.folder / "out.vti")], env=variables(),
+                              capture_output=True, text=True, timeout=SECONDS, check=False)
+        self.assertEqual(done.returncode, 143, done.stderr)
+        self.assertIn(".espalier-", done.stdout)
+        self.assertEqual([path.name for path in self.folder.iterdir()], ["a.nc"])
 
 
 if __name__ == "__main__":

@@ -11,22 +11,23 @@ from __future__ import annotations
 
 import argparse
 import base64
-import binascii
+import contextlib
 import os
 import re
 import shutil
+import signal
 import struct
 import sys
 import tempfile
 import warnings
 import xml.etree.ElementTree as xml
 from pathlib import Path
-from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 from .version import VERSION
 
 # a larger grid needs more memory than a description of a few bytes should cost
-MOST_CELLS = 200_000_000
+MOST_CELLS = int(os.environ["ESPALIER_FIELD_CELLS"]) if os.environ.get("ESPALIER_FIELD_CELLS", "").isdigit() else 20_000_000
 AXES = ("x", "y", "z")
 # y is up in a model; the conventions call the vertical axis Z
 CF_AXES = {"x": "X", "y": "Z", "z": "Y"}
@@ -45,7 +46,6 @@ class FieldWarning(UserWarning):
 
 class Grid(NamedTuple):
     """Equal cells in a box. Lengths are in the unit of the model."""
-
     cells: Tuple[int, int, int]
     position: Tuple[float, float, float]  # low corner
     spacing: Tuple[float, float, float]
@@ -53,7 +53,6 @@ class Grid(NamedTuple):
 
 class Fields(NamedTuple):
     """The quantities of one step."""
-
     grid: Grid
     quantities: Dict[str, Tuple[str, bytes]]  # unit, and little-endian doubles with x fastest, then y, then z
 
@@ -61,7 +60,7 @@ class Fields(NamedTuple):
 def _count(grid: Grid, where: str) -> int:
     count = grid.cells[0] * grid.cells[1] * grid.cells[2]
     if not 0 < count <= MOST_CELLS:
-        raise FieldError(f"{where} has {count} cells, and from 1 to {MOST_CELLS} can be read: write a coarser grid.")
+        raise FieldError(f"{where} has {count} cells, and from 1 to {MOST_CELLS} can be read: write a coarser grid, or set ESPALIER_FIELD_CELLS.")
     if not all(abs(value) < float("inf") for value in (*grid.position, *grid.spacing)) or min(grid.spacing) <= 0:
         raise FieldError(f"{where} has cells without a size: write the file again.")
     return count
@@ -82,8 +81,8 @@ def read_vti(path: "str | os.PathLike[str]") -> Fields:
         origin, spacing = ([float(number) for number in image.attrib[key].split()] for key in ("Origin", "Spacing"))
         if not len(low) == len(high) == len(origin) == len(spacing) == 3:
             raise ValueError("three numbers for each axis")
-        grid = Grid((high[0] - low[0], high[1] - low[1], high[2] - low[2]), (origin[0], origin[1], origin[2]),
-                    (spacing[0], spacing[1], spacing[2]))
+        cells: Any = tuple(end - begin for begin, end in zip(low, high))
+        grid = Grid(cells, (origin[0], origin[1], origin[2]), (spacing[0], spacing[1], spacing[2]))
         size = 8 * _count(grid, str(path))
         quantities = {}
         for array in image.iter("DataArray"):
@@ -91,43 +90,44 @@ def read_vti(path: "str | os.PathLike[str]") -> Fields:
             if array.attrib["type"] != "Float64" or len(raw) != size + 8 or struct.unpack_from("<Q", raw)[0] != size:
                 raise FieldError(f"{path}: '{array.attrib.get('Name')}' does not have {size} bytes of doubles: the file is not complete.")
             quantities[array.attrib["Name"]] = (array.attrib.get("Unit", "1"), raw[8:])
-    except (OSError, KeyError, ValueError, binascii.Error, struct.error, xml.ParseError) as error:
+    except (OSError, KeyError, ValueError, struct.error, xml.ParseError) as error:
         raise FieldError(f"{path} cannot be read as a .vti file ({error}): write it again with `espalier run --field`.") from None
     if not quantities:
         raise FieldError(f"{path} has no quantities: write it again with `espalier run --field`.")
     return Fields(grid, quantities)
 
 
-def vti_text(fields: Fields) -> str:
-    """The text of a .vti file, as Espalier writes it."""
+def vti_text(fields: Fields) -> Iterator[str]:
+    """The text of a .vti file, as Espalier writes it, in pieces."""
     def numbers(values: Sequence[float]) -> str:
         return " ".join(repr(value)[:-2] if repr(value).endswith(".0") else repr(value) for value in values)
 
     extent = " ".join(f"0 {count}" for count in fields.grid.cells)
-    lines = ['<?xml version="1.0"?>', '<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
-             f'<ImageData WholeExtent="{extent}" Origin="{numbers(fields.grid.position)}" Spacing="{numbers(fields.grid.spacing)}">',
-             f'<Piece Extent="{extent}">', f'<CellData Scalars="{next(iter(fields.quantities))}">']
+    yield ('<?xml version="1.0"?>\n<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
+           f'<ImageData WholeExtent="{extent}" Origin="{numbers(fields.grid.position)}" Spacing="{numbers(fields.grid.spacing)}">\n'
+           f'<Piece Extent="{extent}">\n<CellData Scalars="{next(iter(fields.quantities))}">\n')
     for name, (unit, raw) in fields.quantities.items():
-        data = base64.b64encode(struct.pack("<Q", len(raw)) + raw).decode()
-        lines += [f'<DataArray type="Float64" Name="{name}" Unit="{unit}" format="binary">', data, "</DataArray>"]
-    return "\n".join([*lines, "</CellData>", "</Piece>", "</ImageData>", "</VTKFile>", ""])
+        yield f'<DataArray type="Float64" Name="{name}" Unit="{unit}" format="binary">\n'
+        # a multiple of three bytes has no padding at its end, so the pieces join
+        for at in range(-8, len(raw), 3 * 2**20):
+            yield base64.b64encode((struct.pack("<Q", len(raw)) if at < 0 else b"") + raw[max(at, 0):at + 3 * 2**20]).decode()
+        yield "\n</DataArray>\n"
+    yield "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n"
 
 
-def _xarray() -> Any:
+def _libraries() -> Any:
     try:
-        import numpy  # noqa: F401
+        import numpy
         import xarray
     except ImportError:
         raise FieldError("xarray is not installed: install it (Debian: python3-xarray), then try again.") from None
-    return xarray
+    return numpy, xarray
 
 
 def dataset(steps: Sequence[Fields], numbers: "Sequence[int] | None" = None) -> Any:
     """An xarray.Dataset of the steps, with coordinates in the middle of the cells, their bounds, and units. `numbers` are those
     of the steps (0, 1, …). Raises FieldError when the steps have different grids or quantities."""
-    xarray = _xarray()
-    import numpy
-
+    numpy, xarray = _libraries()
     first = steps[0]
     _count(first.grid, "the grid")
     for step in steps:
@@ -136,24 +136,20 @@ def dataset(steps: Sequence[Fields], numbers: "Sequence[int] | None" = None) -> 
     variables: Dict[str, Any] = {}
     coordinates: Dict[str, Any] = {"step": ("step", numpy.asarray(range(len(steps)) if numbers is None else numbers, dtype="i4"),
                                             {"long_name": "number of the step", "units": "1"})}
-    for axis, (name, count) in enumerate(zip(AXES, first.grid.cells)):
-        low, size = first.grid.position[axis], first.grid.spacing[axis]
+    for name, count, low, size in zip(AXES, *first.grid):
         edges = low + size * numpy.arange(count + 1)
         attributes = {"long_name": "height" if name == "y" else f"distance along {name}", "units": "m", "axis": CF_AXES[name],
                       "bounds": f"{name}_bnds", **({"positive": "up", "standard_name": "height"} if name == "y" else {})}
         coordinates[name] = (name, low + size * (numpy.arange(count) + 0.5), attributes)
         variables[f"{name}_bnds"] = ((name, "bnds"), numpy.stack([edges[:-1], edges[1:]], axis=1))
-    shape = tuple(reversed(first.grid.cells))
     for name, (unit, _) in first.quantities.items():
-        values = numpy.stack([numpy.frombuffer(step.quantities[name][1], dtype="<f8").reshape(shape) for step in steps])
+        values = numpy.stack([numpy.frombuffer(step.quantities[name][1], dtype="<f8").reshape(first.grid.cells[::-1]) for step in steps])
         words = re.sub(r"([a-z])([A-Z])", lambda match: f"{match[1]} {match[2].lower()}", name).replace(".", " ")
-        variables[name] = (("step", "z", "y", "x"), values,
-                           {"long_name": words, "units": unit, "cell_methods": "x: y: z: mean",
-                            **({"standard_name": STANDARD_NAMES[name]} if name in STANDARD_NAMES else {})})
-    described: Dict[str, Any] = {"Conventions": "CF-1.8", "title": "Quantities in space of an environment of Espalier", "source": f"Espalier {VERSION}",
-                                 "espalier_position": list(first.grid.position), "espalier_cell_size": list(first.grid.spacing),
-                                 "espalier_quantities": " ".join(first.quantities)}
-    return xarray.Dataset(variables, coordinates, described)
+        standard = {"standard_name": STANDARD_NAMES[name]} if name in STANDARD_NAMES else {}
+        variables[name] = (("step", "z", "y", "x"), values, {"long_name": words, "units": unit, "cell_methods": "x: y: z: mean", **standard})
+    return xarray.Dataset(variables, coordinates, {
+        "Conventions": "CF-1.8", "title": "Quantities in space of an environment of Espalier", "source": f"Espalier {VERSION}",
+        "espalier_position": [*first.grid.position], "espalier_cell_size": [*first.grid.spacing], "espalier_quantities": " ".join(first.quantities)})
 
 
 def _said(error: Exception) -> str:
@@ -161,51 +157,47 @@ def _said(error: Exception) -> str:
 
 
 def _note(text: str) -> None:
-    warnings.warn(text, FieldWarning, stacklevel=2)
+    warnings.warn(text, FieldWarning, stacklevel=3)
+
+
+def _stored(variable: Any, name: str) -> Any:
+    try:
+        return variable.load().values
+    except Exception as error:  # whatever the libraries raise on damaged bytes
+        raise FieldError(f"{name} cannot be read ({_said(error)}): the file is damaged, so copy it or write it again.") from None
 
 
 def _numbers(variable: Any, name: str, hasMissing: bool = True) -> Any:
     """The values of a variable of a file, unpacked as section 8.1 of the conventions says. Missing values raise FieldError."""
-    try:
-        stored = variable.values
-    except Exception as error:  # whatever the libraries raise on damaged bytes
-        raise FieldError(f"{name} cannot be read ({_said(error)}): the file is damaged, so copy it or write it again.") from None
+    numpy, _ = _libraries()
+    stored, said = _stored(variable, name), variable.attrs
     if stored.dtype.kind not in "iuf":
         raise FieldError(f"{name} holds {stored.dtype} and not numbers: remove it, or write it as numbers.")
+    kind = numpy.dtype(stored.dtype.str.replace("i", "u")) if str(said.get("_Unsigned")).lower() == "true" else stored.dtype
+    stored = stored.view(kind)
     try:
-        return _unpacked(stored, variable.attrs, name, hasMissing)
+        if hasMissing:
+            # a cell that was never written holds the number that netCDF has for its type
+            marks = [said[key] for key in ("_FillValue", "missing_value") if key in said]
+            marks += [NEVER_WRITTEN[kind.str[1:]]] if kind.str[1:] in NEVER_WRITTEN and "_FillValue" not in said else []
+            isMissing = ~numpy.isfinite(stored)
+            for mark in marks:
+                isMissing |= numpy.isin(stored, numpy.atleast_1d(mark).astype(kind.str.replace("u", "i")).astype(kind))
+            low, high = said.get("valid_range", (said.get("valid_min"), said.get("valid_max")))
+            if isMissing.any() or (low is not None and (stored < low).any()) or (high is not None and (stored > high).any()):
+                raise FieldError(f"{name} has values that are missing or not finite: fill them first.")
+        packing = [numpy.asarray(said[key]).reshape(()) for key in ("scale_factor", "add_offset") if key in said]
+        if packing:
+            isSingle = all(number.dtype == "f4" for number in packing) and (kind.itemsize <= 2 or kind == "f4")
+            number = numpy.dtype("f4" if isSingle else "f8").type
+            stored = stored.astype(number) * number(said.get("scale_factor", 1)) + number(said.get("add_offset", 0))
     except (TypeError, ValueError) as error:
         raise FieldError(f"the attributes of {name} for missing or packed values are not numbers ({_said(error)}): mend them.") from None
-
-
-def _unpacked(stored: Any, attributes: Any, name: str, hasMissing: bool) -> Any:
-    import numpy
-
-    isUnsigned = stored.dtype.kind == "i" and str(attributes.get("_Unsigned", "")).lower() == "true"
-    kind = numpy.dtype(stored.dtype.str.replace("i", "u")) if isUnsigned else stored.dtype
-    stored = stored.view(kind)
-    if hasMissing:
-        # a cell that was never written holds the number that netCDF has for its type
-        marks = [NEVER_WRITTEN[kind.str[1:]]] if kind.str[1:] in NEVER_WRITTEN and "_FillValue" not in attributes else []
-        marks += [attributes[key] for key in ("_FillValue", "missing_value") if key in attributes]
-        isMissing = ~numpy.isfinite(stored)
-        for mark in marks:
-            isMissing |= numpy.isin(stored, numpy.atleast_1d(mark).astype(kind.str.replace("u", "i")).astype(kind))
-        low, high = attributes.get("valid_range", (attributes.get("valid_min"), attributes.get("valid_max")))
-        isMissing |= (False if low is None else stored < low) | (False if high is None else stored > high)
-        if isMissing.any():
-            raise FieldError(f"{name} has values that are missing or not finite: fill them first.")
-    packing = [numpy.asarray(attributes[key]).reshape(()) for key in ("scale_factor", "add_offset") if key in attributes]
-    if packing:
-        isSingle = all(number.dtype == "f4" for number in packing) and (kind.itemsize <= 2 or kind == "f4")
-        unpacked = numpy.dtype("f4" if isSingle else "f8").type
-        stored = stored.astype(unpacked) * unpacked(attributes.get("scale_factor", 1)) + unpacked(attributes.get("add_offset", 0))
     return stored
 
 
 def _turned(data: Any) -> List[Tuple[str, int]]:
-    """The coordinate along x, y and z of a model, and its sign. Where z is declared vertical, the axes are turned as those of LAS
-    files: x stays, up is y, and -y is z."""
+    """The coordinate along x, y and z of a model, and its sign. A vertical z is turned as in LAS files: x stays, up is y, -y is z."""
     roles, ways = "", {}
     for name in AXES:
         said = {key: str(value) for key, value in data[name].attrs.items()}
@@ -216,9 +208,7 @@ def _turned(data: Any) -> List[Tuple[str, int]]:
             raise FieldError(f"the attributes axis, positive and standard_name of {name} contradict each other: mend or remove them.")
         roles += "".join(role) or "?"
         ways[name] = "".join(way)
-    if re.fullmatch("[X?][Y?]Z", roles):
-        if not ways["z"]:
-            raise FieldError("the axis z is vertical without a direction: add its attribute positive, 'up' or 'down'.")
+    if re.fullmatch("[X?][Y?]Z", roles) and ways["z"]:
         return [("x", 1), ("z", 1 if ways["z"] == "up" else -1), ("y", -1)]
     if not re.fullmatch("[X?][Z?][Y?]", roles):
         raise FieldError(f"x, y and z are declared as the axes {', '.join(roles)}: y or z must be Z, with the attribute positive, 'up' or 'down'.")
@@ -229,8 +219,7 @@ def _turned(data: Any) -> List[Tuple[str, int]]:
 
 def _cells(data: Any, name: str, sign: int, own: "Tuple[float, float] | None") -> Tuple[float, float, int]:
     """Low edge and size of equal cells along an axis, and -1 where it descends. `own` is what Espalier wrote of it."""
-    import numpy
-
+    numpy, _ = _libraries()
     found = _numbers(data[name], name, hasMissing=False)
     count, middles = len(found), sign * found.astype("f8")
     step = -1 if middles[-1] < middles[0] else 1
@@ -250,153 +239,153 @@ def _cells(data: Any, name: str, sign: int, own: "Tuple[float, float] | None") -
         edges = numpy.sort(edges[::step], axis=1)
         low, size = float(edges[0, 0]), float(edges[-1, 1] - edges[0, 0]) / count
         join = areNear(edges[:, 0], 0, low, size) and areNear(edges[:, 1], 1, low, size)
-        if join and (areNear(middles, 0.5, low, size) or (own is None and (edges[:, 0] <= middles).all() and (middles <= edges[:, 1]).all())):
-            # cells that were joined to one look like one that was cut out
-            if own is not None and count == 1:
-                raise FieldError(f"the size of the one cell along {name} is not sure, because the data set was changed: make {named} right, "
-                                 "then remove the attribute espalier_cell_size.")
+        # a coordinate need not be the middle, but Espalier wrote the middle; one cell that is left of its cells may be many that were joined
+        if join and (areNear(middles, 0.5, low, size) and count > 1 if own else ((edges[:, 0] <= middles) & (middles <= edges[:, 1])).all()):
             return low, size, step
         if own is None:
             raise FieldError(f"the bounds {named} are not those of equal cells side by side around {name}: interpolate to equal cells first.")
         # functions that join, thin or move cells leave the bounds that Espalier wrote as they were, or take their mean
         _note(f"{named} does not fit {name} any more, and is not used: the cells are taken to fill the space between the middles.")
     if count < 2:
-        raise FieldError(f"the axis {name} has one cell and no bounds around it: its size is not known. Add {name}_bnds.")
+        raise FieldError(f"the axis {name} has one cell and no bounds that are sure: make {named} right, and remove the attribute espalier_cell_size.")
     size = float(middles[-1] - middles[0]) / (count - 1)
-    low = float(middles[0]) - size / 2
-    if not areNear(middles, 0.5, low, size):
+    if not areNear(middles, 0, middles[0], size):
         raise FieldError(f"the cells along {name} are not equal and rising or falling: interpolate them to equal cells first.")
-    return low, size, step
+    return float(middles[0]) - size / 2, size, step
 
 
 def _grid(data: Any) -> Tuple[Grid, List[str], Tuple[int, ...]]:
     """The cells of a data set, its axes that are x, y and z of a model, and -1 for each that descends."""
-    missing = [name for name in AXES if name not in data.coords or data[name].dims != (name,)]
-    if missing:
-        raise FieldError(f"the data set has no axis {missing[0]}: it needs the coordinates x, y and z in metres.")
     for name in AXES:
+        if name not in data.coords or data[name].dims != (name,):
+            raise FieldError(f"the data set has no axis {name}: it needs the coordinates x, y and z in metres.")
         if data[name].attrs.get("units", "m") not in ("m", "metre", "meter", "metres", "meters"):
-            raise FieldError(f"the axis {name} is in {data[name].attrs['units']!r}: convert it to metres, or remove its units if "
-                             "the lengths are those of the model.")
-    sources = _turned(data)
+            raise FieldError(f"the axis {name} is in {data[name].attrs['units']!r}: convert it to metres, or remove its units.")
+    sources, own = _turned(data), {}
     counts: Any = tuple(int(data.sizes[name]) for name, _ in sources)
     _count(Grid(counts, (0, 0, 0), (1, 1, 1)), "the data set")
-    try:
-        own: Any = [tuple(map(float, data.attrs[key])) for key in ("espalier_position", "espalier_cell_size")]
-        owns = dict(zip(AXES, zip(*own)))
-    except (KeyError, TypeError, ValueError):
-        owns = {}
-    found: Any = [_cells(data, name, sign, owns.get(name)) for name, sign in sources]
+    with contextlib.suppress(KeyError, TypeError, ValueError):
+        own = dict(zip(AXES, zip(*[tuple(map(float, data.attrs[key])) for key in ("espalier_position", "espalier_cell_size")])))
+    found: Any = [_cells(data, name, sign, own.get(name)) for name, sign in sources]  # type: ignore[arg-type]
     lows, sizes, ways = zip(*found)
-    grid = Grid(counts, lows, sizes)
-    _count(grid, "the data set")
+    _count(grid := Grid(counts, lows, sizes), "the data set")
     return grid, [name for name, _ in sources], ways
 
 
 def fields_of(data: Any, step: int = -1) -> Fields:
-    """The quantities of a step (the last) of a data set with the dimensions x, y, z and perhaps one more, its times. Raises
-    FieldError."""
-    _xarray()
-    import numpy
-
+    """The quantities of a step (the last) of a data set over x, y, z and perhaps one more dimension, its times. Raises FieldError."""
+    numpy, _ = _libraries()
     grid, names, ways = _grid(data)
-    quantities = {}
+    quantities, others = {}, []
+    helpers = {str(value) for variable in data.variables.values() for key, value in variable.attrs.items() if key in ("bounds", "grid_mapping")}
     # a Zarr folder has no order of its own
     order = str(data.attrs.get("espalier_quantities", "")).split()
     for name, variable in sorted(data.data_vars.items(), key=lambda item: order.index(item[0]) if item[0] in order else len(order)):
         times = [dimension for dimension in variable.dims if dimension not in AXES]
-        if name.endswith("_bnds") or not set(AXES) <= set(variable.dims) or len(times) > 1:
+        if not set(AXES) <= set(variable.dims) or len(times) > 1:
+            others += [] if name.endswith("_bnds") or name in helpers else [f"{name}({', '.join(variable.dims)})"]
             continue
+        if times and not -variable.sizes[times[0]] <= step < variable.sizes[times[0]]:
+            raise FieldError(f"the data set has no step {step}: choose another with --step.")
         chosen = variable.isel({times[0]: step}) if times else variable
         if not re.fullmatch(r"[\w.-]+", name):
             raise FieldError(f"the quantity {name!r} has a name that no file can hold: use letters, digits and points.")
         values = numpy.ascontiguousarray(_numbers(chosen.transpose(*names[::-1]), name)[::ways[2], ::ways[1], ::ways[0]], dtype="<f8")
         quantities[name] = (re.sub(r'[<>&"]', "", str(variable.attrs.get("units", "1"))), values.tobytes())
+    rule = f"{', '.join(others)} cannot be read: a quantity has the dimensions x, y, z and at most one more, so choose a part of it first."
     if not quantities:
-        raise FieldError("the data set has no quantity over x, y and z: its variables need these three dimensions.")
+        raise FieldError(f"the data set has no quantity, and {rule if others else 'no variables over x, y and z: give another data set.'}")
+    if others:
+        _note(rule)
     return Fields(grid, quantities)
 
 
-def open_dataset(path: "str | os.PathLike[str]") -> Any:
-    """Opens a .nc file or .zarr folder. The numbers are as they are stored: times are not dates, and `fields_of` unpacks. Raises
-    FieldError."""
-    xarray = _xarray()
-    asStored = {"decode_times": False, "decode_timedelta": False, "mask_and_scale": False}
+def open_dataset(path: "str | os.PathLike[str]", group: "str | None" = None) -> Any:
+    """Opens a .nc file or .zarr folder, or a group in it, with numbers as they are stored: `fields_of` unpacks. Raises FieldError."""
+    _, xarray = _libraries()
+    asStored, arrays = {"decode_times": False, "decode_timedelta": False, "mask_and_scale": False, "group": group}, {}
     try:
-        if not str(path).rstrip("/").endswith(".zarr"):
-            return xarray.open_dataset(path, **asStored)
-        import zarr  # type: ignore[import]
-
-        data = xarray.open_zarr(path, chunks=None, consolidated=(Path(path) / ".zmetadata").is_file(), **asStored)
-        arrays = dict(zarr.open_group(str(path), mode="r").arrays())
+        if str(path).rstrip("/").endswith(".zarr"):
+            import zarr  # type: ignore[import]
+            data = xarray.open_zarr(path, chunks=None, consolidated=(Path(path) / ".zmetadata").is_file(), **asStored)
+            opened = zarr.open_group(str(path), mode="r", path=group)
+            arrays, groups = dict(opened.arrays()), list(opened.group_keys())
+        else:
+            import netCDF4  # type: ignore[import]
+            data = xarray.open_dataset(path, **asStored)
+            with netCDF4.Dataset(path) as file:
+                groups = list((file[group] if group else file).groups)
     except Exception as error:  # whatever the libraries raise on a stranger's file
         raise FieldError(f"{path} cannot be opened ({_said(error)}): give a .nc file or a .zarr folder that is complete.") from None
-    for name, variable in data.variables.items():
-        array = arrays[name]
+    listed = ", ".join(f"{group}/{name}" if group else name for name in groups)
+    if groups and not set(AXES) <= set(data.variables):
+        raise FieldError(f"the quantities of {path} are in groups ({listed}): choose one with --group.")
+    if groups:
+        _note(f"the groups {listed} are left out: choose one with --group.")
+    for name, array in arrays.items():
         if array.fill_value is None and array.nchunks_initialized < array.nchunks:
             raise FieldError(f"{path} has {array.nchunks_initialized} of {array.nchunks} parts of {name}: copy it again.")
         # xarray takes every fill value for a mark of missing data, but 0 is what zarr writes when nobody chose
-        if "_FillValue" in array.attrs:
-            variable.attrs["_FillValue"] = array.attrs["_FillValue"]
-        elif name in data.dims or array.fill_value == 0:
-            variable.attrs.pop("_FillValue", None)
+        if name in data.dims or array.fill_value == 0:
+            data[name].attrs.pop("_FillValue", None)
+        data[name].attrs.update({key: value for key, value in array.attrs.items() if key == "_FillValue"})
     return data
 
 
-def _save(data: Any, path: Path) -> None:
-    """Writes a data set beside its place and moves it there when it is complete."""
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".espalier-") as folder:
-        part = Path(folder) / path.name
-        try:
-            if path.suffix == ".zarr":
-                data.to_zarr(part, consolidated=True)
+def _save(content: Any, path: Path) -> None:
+    """Writes a data set or `Fields` beside its place and moves it there when it is complete."""
+    try:
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".espalier-") as folder:
+            part = Path(folder) / path.name
+            if isinstance(content, Fields):
+                with part.open("w", encoding="utf-8") as file:
+                    file.writelines(vti_text(content))
+            elif path.suffix == ".zarr":
+                content.to_zarr(part, consolidated=True)
             else:
-                data.to_netcdf(part, engine="netcdf4", encoding={name: {"_FillValue": None} for name in data.variables})
-        except ImportError as error:
-            raise FieldError(f"{error}: install it (Debian: python3-netcdf4, python3-zarr), then try again.") from None
-        if path.suffix == ".zarr" and path.is_dir():
-            shutil.rmtree(path)
-        os.replace(part, path)
+                content.to_netcdf(part, engine="netcdf4", encoding={name: {"_FillValue": None} for name in content.variables})
+            if path.suffix == ".zarr" and path.is_dir():
+                shutil.rmtree(path)
+            os.replace(part, path)
+    except ImportError as error:
+        raise FieldError(f"{error}: install it (Debian: python3-netcdf4, python3-zarr), then try again.") from None
+    except Exception as error:  # whatever the libraries raise
+        raise FieldError(f"{path} cannot be written ({_said(error)}): give a path in a folder that exists and has room.") from None
 
 
-def convert(sources: Sequence["str | os.PathLike[str]"], target: "str | os.PathLike[str]", step: int = -1) -> None:
-    """Converts files by their suffixes. Several .vti files become the steps of one data set, in the order given. Raises
-    FieldError; the target is then as it was."""
+def convert(sources: "Sequence[str | os.PathLike[str]]", target: "str | os.PathLike[str]", step: int = -1, group: "str | None" = None) -> None:
+    """Converts files by their suffixes. Several .vti files are the steps of a data set. After a FieldError the target is as it was."""
     into = Path(target)
     if Path(sources[0]).suffix == ".vti":
         steps = [read_vti(source) for source in sources]
-        found = [re.search(r"(\d+)\.vti$", str(source)) for source in sources]
-        numbers = [int(match[1]) for match in found if match]
+        numbers = [int(match[1]) for source in sources for match in re.finditer(r"(\d+)\.vti$", str(source))]
         data = dataset(steps, numbers if len(numbers) == len(steps) else None)
+    elif len(sources) > 1:
+        raise FieldError("several sources must be .vti files of one run.")
     else:
-        if len(sources) > 1:
-            raise FieldError("several sources must be .vti files of one run.")
-        data = open_dataset(sources[0])
+        data = open_dataset(sources[0], group)
     if into.suffix in (".nc", ".zarr"):
+        _count(Grid((data.sizes.get("x", 1), data.sizes.get("y", 1), data.sizes.get("z", 1)), (0, 0, 0), (1, 1, 1)), "the data set")
+        for name in data.variables:
+            _stored(data[name], name)
         _save(data, into)
     elif into.suffix == ".vti":
-        try:
-            fields = fields_of(data, step)
-        except IndexError:
-            raise FieldError(f"the data set has no step {step}: choose another with --step.") from None
-        part = into.with_name(f".{into.name}.part")
-        part.write_text(vti_text(fields), encoding="utf-8")
-        os.replace(part, into)
+        _save(fields_of(data, step), into)
     else:
         raise FieldError(f"'{into.suffix}' is not a format: the target ends in .nc, .zarr or .vti.")
 
 
 def main(arguments: "List[str] | None" = None) -> int:
-    parser = argparse.ArgumentParser(prog="python3 -m espalier.fields", formatter_class=argparse.RawDescriptionHelpFormatter,
-                                     description=__doc__)
+    parser = argparse.ArgumentParser("python3 -m espalier.fields", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("source", nargs="+", help=".vti files of one run, or one .nc or .zarr")
     parser.add_argument("target", help=".nc, .zarr or .vti")
     parser.add_argument("--step", type=int, default=-1, help="for a .vti: the place of the step in the data set, from 0 (the last)")
+    parser.add_argument("--group", help="of the source, where its quantities are in groups")
     options = parser.parse_args(arguments)
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
         try:
-            convert(options.source, options.target, options.step)
+            convert(options.source, options.target, options.step, options.group)
         except FieldError as error:
             print(f"error: {error}", file=sys.stderr)
             return 1
@@ -407,4 +396,5 @@ def main(arguments: "List[str] | None" = None) -> int:
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that a file that is not complete is removed
     sys.exit(main())
