@@ -329,7 +329,7 @@ class Files(Foreign):
         for step in ("2", "-3"):
             self.assertIn(f"has no step {step}", said_by(str(self.folder / "a.nc"), str(self.folder / "out.vti"), "--step", step)[1])
 
-    def grid(self, name: str, counts: Dict[str, int]) -> str:
+    def grid(self, name: str, counts: Dict[str, int], more: int = 1) -> str:
         """A small file of many cells that nobody wrote."""
         import netCDF4
         import numpy
@@ -338,7 +338,9 @@ class Files(Foreign):
             for axis, count in counts.items():
                 file.createDimension(axis, count)
                 file.createVariable(axis, "f8", (axis,))[:] = numpy.arange(count)
-            file.createVariable("q", "f8", ("z", "y", "x"), zlib=True, chunksizes=(10, 1000, 1000))
+            file.createVariable("q", "f8", ("z", "y", "x"), zlib=True, chunksizes=(2, counts["y"], counts["x"]))
+            file.createDimension("t", more)
+            file.createVariable("t", "f8", ("t",), zlib=True, chunksizes=(min(more, 10 ** 6),))
         return str(self.folder / name)
 
     def test_a_small_file_of_many_cells_is_refused_at_once(self) -> None:
@@ -347,6 +349,8 @@ class Files(Foreign):
         for target in ("out.vti", "out.zarr", "out.nc"):
             self.assertIn("has 190000000 cells, and from 1 to 20000000 can be read", said_by(bomb, str(self.folder / target))[1])
         self.assertEqual([path.name for path in self.folder.iterdir()], ["bomb.nc"])
+        axis = self.grid("axis.nc", {"x": 2, "y": 2, "z": 2}, more=30_000_000)
+        self.assertIn("an axis of 30000000, and at most 20000000 can be read", said_by(axis, str(self.folder / "out.vti"))[1])
         self.base().to_netcdf(self.folder / "a.nc")
         command = [sys.executable, "-m", "espalier.fields", str(self.folder / "a.nc"), str(self.folder / "out.vti")]
         for most, status in (("23", 1), ("24", 0), ("many", 0)):

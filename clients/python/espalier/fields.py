@@ -22,7 +22,7 @@ import tempfile
 import warnings
 import xml.etree.ElementTree as xml
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple, cast
 
 from .version import VERSION
 
@@ -81,8 +81,7 @@ def read_vti(path: "str | os.PathLike[str]") -> Fields:
         origin, spacing = ([float(number) for number in image.attrib[key].split()] for key in ("Origin", "Spacing"))
         if not len(low) == len(high) == len(origin) == len(spacing) == 3:
             raise ValueError("three numbers for each axis")
-        cells: Any = tuple(end - begin for begin, end in zip(low, high))
-        grid = Grid(cells, (origin[0], origin[1], origin[2]), (spacing[0], spacing[1], spacing[2]))
+        grid = Grid((high[0] - low[0], high[1] - low[1], high[2] - low[2]), (origin[0], origin[1], origin[2]), (spacing[0], spacing[1], spacing[2]))
         size = 8 * _count(grid, str(path))
         quantities = {}
         for array in image.iter("DataArray"):
@@ -177,12 +176,9 @@ def _numbers(variable: Any, name: str, hasMissing: bool = True) -> Any:
     stored = stored.view(kind)
     try:
         if hasMissing:
-            # a cell that was never written holds the number that netCDF has for its type
-            marks = [said[key] for key in ("_FillValue", "missing_value") if key in said]
-            marks += [NEVER_WRITTEN[kind.str[1:]]] if kind.str[1:] in NEVER_WRITTEN and "_FillValue" not in said else []
-            isMissing = ~numpy.isfinite(stored)
-            for mark in marks:
-                isMissing |= numpy.isin(stored, numpy.atleast_1d(mark).astype(kind.str.replace("u", "i")).astype(kind))
+            marks = [said.get("_FillValue", NEVER_WRITTEN.get(kind.str[1:], [])), said.get("missing_value", [])]
+            known = numpy.concatenate([numpy.atleast_1d(mark).astype(kind.str.replace("u", "i")).astype(kind) for mark in marks])
+            isMissing = ~numpy.isfinite(stored) | numpy.isin(stored, known)
             low, high = said.get("valid_range", (said.get("valid_min"), said.get("valid_max")))
             if isMissing.any() or (low is not None and (stored < low).any()) or (high is not None and (stored > high).any()):
                 raise FieldError(f"{name} has values that are missing or not finite: fill them first.")
@@ -260,14 +256,13 @@ def _grid(data: Any) -> Tuple[Grid, List[str], Tuple[int, ...]]:
         if name not in data.coords or data[name].dims != (name,):
             raise FieldError(f"the data set has no axis {name}: it needs the coordinates x, y and z in metres.")
         if data[name].attrs.get("units", "m") not in ("m", "metre", "meter", "metres", "meters"):
-            raise FieldError(f"the axis {name} is in {data[name].attrs['units']!r}: convert it to metres, or remove its units.")
+            raise FieldError(f"the axis {name} is in {data[name].attrs['units']!r}: convert it to metres, or to the unit of the model without units.")
     sources, own = _turned(data), {}
     counts: Any = tuple(int(data.sizes[name]) for name, _ in sources)
     _count(Grid(counts, (0, 0, 0), (1, 1, 1)), "the data set")
     with contextlib.suppress(KeyError, TypeError, ValueError):
         own = dict(zip(AXES, zip(*[tuple(map(float, data.attrs[key])) for key in ("espalier_position", "espalier_cell_size")])))
-    found: Any = [_cells(data, name, sign, own.get(name)) for name, sign in sources]  # type: ignore[arg-type]
-    lows, sizes, ways = zip(*found)
+    lows, sizes, ways = cast(Any, zip(*[_cells(data, name, sign, own.get(name)) for name, sign in sources]))  # type: ignore[arg-type]
     _count(grid := Grid(counts, lows, sizes), "the data set")
     return grid, [name for name, _ in sources], ways
 
@@ -303,18 +298,23 @@ def fields_of(data: Any, step: int = -1) -> Fields:
 def open_dataset(path: "str | os.PathLike[str]", group: "str | None" = None) -> Any:
     """Opens a .nc file or .zarr folder, or a group in it, with numbers as they are stored: `fields_of` unpacks. Raises FieldError."""
     _, xarray = _libraries()
-    asStored, arrays = {"decode_times": False, "decode_timedelta": False, "mask_and_scale": False, "group": group}, {}
+    asStored: Dict[str, Any] = {"decode_times": False, "decode_timedelta": False, "mask_and_scale": False, "group": group}
     try:
         if str(path).rstrip("/").endswith(".zarr"):
             import zarr  # type: ignore[import]
-            data = xarray.open_zarr(path, chunks=None, consolidated=(Path(path) / ".zmetadata").is_file(), **asStored)
             opened = zarr.open_group(str(path), mode="r", path=group)
             arrays, groups = dict(opened.arrays()), list(opened.group_keys())
+            lengths = [length for array in arrays.values() for length in array.shape]
+            asStored.update(engine="zarr", consolidated=(Path(path) / ".zmetadata").is_file())
         else:
             import netCDF4  # type: ignore[import]
-            data = xarray.open_dataset(path, **asStored)
             with netCDF4.Dataset(path) as file:
-                groups = list((file[group] if group else file).groups)
+                opened = file[group] if group else file
+                arrays, groups, lengths = {}, list(opened.groups), [len(dimension) for dimension in opened.dimensions.values()]
+        # xarray reads coordinates at once
+        if max(lengths, default=0) > MOST_CELLS:
+            raise MemoryError(f"an axis of {max(lengths)}, and at most {MOST_CELLS} can be read")
+        data = xarray.open_dataset(path, **asStored)
     except Exception as error:  # whatever the libraries raise on a stranger's file
         raise FieldError(f"{path} cannot be opened ({_said(error)}): give a .nc file or a .zarr folder that is complete.") from None
     listed = ", ".join(f"{group}/{name}" if group else name for name in groups)
