@@ -17,8 +17,9 @@ constexpr const char* kRsml = R"(<?xml version="1.0"?>
 <rsml><metadata><unit>cm</unit></metadata><scene><plant ID="1">
 <root ID="a"><geometry><polyline><point x="0" y="0" z="0"/><point x="0" y="0" z="-1"/><point x="0" y="0" z="-2"/>
 <point x="0" y="0" z="-3"/><point x="0" y="0" z="-4"/></polyline></geometry>
-<functions><function name="diameter" domain="polyline"><sample>0.2</sample><sample>0.2</sample></function>
-<function name="emergence_time" domain="polyline"><sample value="0"/><sample value="2.5"/></function></functions>
+<functions><function name="diameter" domain="polyline"><sample>0.2</sample></function>
+<function name="emergence_time" domain="polyline"><sample value="0"/><sample value="2.5"/><sample value="3"/>
+<sample value="4"/><sample value="5"/></function></functions>
 <root ID="b"><properties><parent-node value="1"/></properties><geometry><polyline><point x="0" y="0" z="-1"/>
 <point x="1" y="0" z="-1"/></polyline></geometry>
 <functions><function name="diameter"><sample value="0.1"/></function></functions></root>
@@ -56,7 +57,7 @@ TEST(RootSystem, ALateralThatBeginsFarFromItsParentIsNamed) {
               "<point x=\"5\" y=\"0\" z=\"-3\"/>");
   EXPECT_EQ(readRsml(far)->remark,
             "1 lateral begins farther from the parent than the parent's points lie apart; a straight piece joins them: "
-            "line 10, 5 away");
+            "line 11, 5 away");
 }
 
 TEST(RootSystem, ADichotomousTreeHasThePathLengthOfItsForm) {
@@ -92,6 +93,143 @@ TEST(RootSystem, TheStringDrawsTheRoots) {
                                     "1\t0\t1\t2\t1\t0.1\t1\t4\n2\t1\t1\t2\t0\t0.1\t1\t5\n3\t1\t2\t2\t1\t0.05\t2\t6\n")),
             "[@M(1,2,3)@R(0,0,-2)!(0.2)F(2)?E(2,1,0,0,0,0,0,0,0,0)[@R(1,0,0)!(0.1)F(1)?E(0,2,0,0,0,0,0,0,0,0)]"
             "@R(0,0,-1)!(0.2)F(1)?E(1,1,0,0,0,0,0,0,0,0)]");
+}
+
+/// A root with points and functions; its functions are in line 2.
+std::string rootWith(const std::string& points, const std::string& functions = "", const std::string& more = "") {
+  return "<rsml><metadata><unit>cm</unit></metadata><scene><plant><root ID='a'><geometry><polyline>" + points +
+         "</polyline>" + more + "</geometry>\n<functions>" + functions + "</functions></root></plant></scene></rsml>";
+}
+
+constexpr const char* kThreePoints = "<point x='0' y='0'/><point x='0' y='-10'/><point x='0' y='-40'/>";
+
+TEST(RsmlReader, OnlyPointsOfAPolylineBelongToARoot) {
+  // a root of 20 cm, an annotation 5 cm beside it, and the points that control a spline
+  for (const std::string& text :
+       {rootWith("<point x='0' y='0'/><point x='0' y='-20'/>", "",
+                 "<rootnavspline controlpointseparation='50'><point x='1' y='2'/><point x='5' y='5'/></rootnavspline>"),
+        std::string("<rsml><scene><plant><root><geometry><polyline><point x='0' y='0'/><point x='0' y='-20'/>"
+                    "</polyline></geometry><annotations><annotation name='tip'><point x='5' y='-20'/><value>1</value>"
+                    "</annotation></annotations></root></plant></scene></rsml>")}) {
+    const auto roots = readRsml(text);
+    ASSERT_TRUE(roots) << roots.error();
+    EXPECT_EQ(roots->nodes.size(), 2U);
+    EXPECT_DOUBLE_EQ(traitsOf(*roots, 1).length, 20.0);
+    EXPECT_EQ(roots->remark, "");
+  }
+  const auto roots = readRsml(
+      "<rsml><scene><plant>\n<root><geometry><rootnavspline><point x='1' y='2'/>"
+      "<point x='5' y='5'/></rootnavspline></geometry></root></plant></scene></rsml>");
+  ASSERT_TRUE(roots) << roots.error();
+  EXPECT_TRUE(roots->nodes.empty());
+  EXPECT_EQ(roots->remark, "1 root has no points of a polyline and is left out: line 2");
+}
+
+TEST(RsmlReader, OnlySamplesOfAFunctionBelongToIt) {
+  const auto roots = readRsml(rootWith(
+      kThreePoints, "<function name='diameter'><sample value='2'/><sample value='2'/><sample value='1'/></function>",
+      "<annotations><annotation><function name='diameter'><sample value='9'/></function><sample value='9'/>"
+      "</annotation></annotations>"));
+  ASSERT_TRUE(roots) << roots.error();
+  EXPECT_EQ(roots->nodes[0].radius, 1.0);
+  EXPECT_EQ(roots->nodes[2].radius, 0.5);
+}
+
+/// The diameters at the points 0, 10 and 40 along a root.
+std::vector<double> diametersBy(const std::string& function) {
+  const auto roots = readRsml(rootWith(kThreePoints, function));
+  EXPECT_TRUE(roots) << roots.error();
+  std::vector<double> diameters;
+  for (const RootSystem::Node& node : roots ? roots->nodes : std::vector<RootSystem::Node>()) {
+    diameters.push_back(2.0 * node.radius);
+  }
+  return diameters;
+}
+
+TEST(RsmlReader, SamplesAreAtTheirPlacesInTheDomain) {
+  using Values = std::vector<double>;
+  EXPECT_EQ(diametersBy("<function name='diameter' domain='polyline'><sample>4</sample><sample value='2'/>"
+                        "<sample value='1'/></function>"),
+            (Values{4, 2, 1}));
+  // from 4 at 0 to 8 at 40: 4 + 4 · 10/40 = 5 at 10; the order of samples does not count
+  EXPECT_EQ(diametersBy("<function name='diameter' domain='length'><sample position='40' value='8'/>"
+                        "<sample position='0'>4</sample></function>"),
+            (Values{4, 5, 8}));
+  // before the first sample and behind the last
+  EXPECT_EQ(diametersBy("<function name='diameter' domain='length'><sample position='20' value='8'/>"
+                        "<sample position='30' value='4'/></function>"),
+            (Values{8, 8, 4}));
+  // samples at 5, 15, 25, 35 and 45: 10 is between the first two, 40 between the last two
+  EXPECT_EQ(diametersBy("<function name='diameter' domain='length' origin='5' step='10'><sample value='8'/>"
+                        "<sample value='6'/><sample value='5'/><sample value='4'/><sample value='1'/></function>"),
+            (Values{8, 7, 2.5}));
+  // at 0, 20 and 40
+  EXPECT_EQ(diametersBy("<function name='diameter' domain='Uniform'><sample value='8'/><sample value='4'/>"
+                        "<sample value='1'/></function>"),
+            (Values{8, 6, 1}));
+  // one sample is that of the whole root
+  for (const char* domain : {"", "domain='polyline'", "domain='length'", "domain='uniform'"}) {
+    EXPECT_EQ(diametersBy("<function name='diameter' " + std::string(domain) + "><sample value='3'/></function>"),
+              (Values{3, 3, 3}));
+  }
+  // functions with other names are not read
+  EXPECT_EQ(diametersBy("<function name='angle' domain='east' step='x'><sample position='y' value='z'/></function>"),
+            (Values{0, 0, 0}));
+  // laterals inside of the root have functions of their own, and emergence has the same domains
+  const auto roots = readRsml(
+      rootWith(kThreePoints,
+               "<function name='emergence_time' domain='uniform'><sample value='0'/><sample value='8'/></function>"
+               "<function name='node_creation_time'><sample value='7'/></function>"));
+  ASSERT_TRUE(roots) << roots.error();
+  EXPECT_EQ(roots->nodes[1].emergence, 2.0);
+  EXPECT_EQ(roots->nodes[2].emergence, 8.0);
+}
+
+TEST(RsmlReader, SamplesWithoutAPlaceAreRefused) {
+  const auto problem = [](const std::string& function, const char* points = kThreePoints) {
+    return readRsml(rootWith(points, function)).error();
+  };
+  EXPECT_EQ(
+      problem("<function name='diameter' domain='polyline'><sample value='4'/><sample value='2'/></function>"),
+      "line 2: the function 'diameter' of the root 'a' has 2 samples, and the root has 3 points. Write one sample "
+      "for each point, or one for the whole root");
+  EXPECT_EQ(problem("<function name='emergence_time'><sample value='4'/><sample value='2'/></function>",
+                    "<point x='0' y='0'/>"),
+            "line 2: the function 'emergence_time' of the root 'a' has 2 samples, and the root has 1 point. Write one "
+            "sample for each point, or one for the whole root");
+  EXPECT_EQ(problem("<function name='diameter' domain='length'><sample value='4'/><sample value='2'/></function>"),
+            "line 2: the function 'diameter' of the root 'a' has samples along the length without a position. Write it "
+            "at each sample, or a step");
+  EXPECT_EQ(problem("<function name='diameter' domain='length' step='0'><sample value='4'/><sample value='2'/>"
+                    "</function>"),
+            "line 2: the function 'diameter' of the root 'a' has a step that is not above 0. Correct the number");
+  EXPECT_EQ(problem("<function name='diameter' domain='time'><sample value='4'/></function>"),
+            "line 2: the function 'diameter' of the root 'a' has the unknown domain 'time'. Write polyline, length or "
+            "uniform");
+  EXPECT_EQ(problem("<function name='diameter' domain='length'><sample position='one' value='4'/></function>"),
+            "line 2: expected a number, found 'one'. Write a number there");
+}
+
+TEST(RsmlReader, ElementsMayHaveThePrefixOfANamespace) {
+  std::string text = kRsml;
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
+    if (text[at + 1] != '?') {
+      text.insert(at + (text[at + 1] == '/' ? 2 : 1), "r:");
+    }
+  }
+  text.replace(text.find("<r:rsml>"), 8, "<r:rsml xmlns:r='http://example.org/rsml'>");
+  const auto roots = readRsml(text);
+  ASSERT_TRUE(roots) << roots.error();
+  EXPECT_EQ(roots->unit, "cm");
+  EXPECT_EQ(stringOf(*roots), stringOf(*readRsml(kRsml)));
+}
+
+TEST(RsmlReader, UnitAndResolutionAreThoseOfTheMetadata) {
+  const auto roots = readRsml(
+      "<rsml><metadata><unit>cm</unit><image><unit>parsec</unit><resolution>0</resolution></image></metadata>"
+      "<scene><plant/></scene></rsml>");
+  ASSERT_TRUE(roots) << roots.error();
+  EXPECT_EQ(roots->unit, "cm");
 }
 
 std::string withUnit(const std::string& unit) {
@@ -179,13 +317,13 @@ TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
             "line 1: the file is no XML: no element found. Give a file in the Root System Markup Language");
   EXPECT_EQ(readRsml("<rsml></rsml>").error(),
             "line 1: the file has no 'scene' of plants. Give a file in the Root System Markup Language");
-  EXPECT_EQ(readRsml("<rsml><scene><root><point x='1' z='2'/></root></scene></rsml>").error(),
+  EXPECT_EQ(readRsml(rootWith("<point x='1' z='2'/>")).error(),
             "line 1: a point has no 'y'. Write its coordinates as attributes x, y and z");
-  EXPECT_EQ(readRsml("<rsml><scene><root>\n<point x='1' y='up'/></root></scene></rsml>").error(),
+  EXPECT_EQ(readRsml(rootWith("\n<point x='1' y='up'/>")).error(),
             "line 2: expected a number, found 'up'. Write a number there");
   EXPECT_EQ(readRsml("<!DOCTYPE a [<!ENTITY b \"cccc\">]>\n<rsml/>").error(),
             "line 1: the file declares an entity, which root files do not need. Remove it");
-  EXPECT_EQ(readRsml("<rsml><scene><root><point x='1' y='2e200'/></root></scene></rsml>").error(),
+  EXPECT_EQ(readRsml(rootWith("<point x='1' y='2e200'/>")).error(),
             "line 1: the coordinate 2e200 is beyond 1e100. Correct the number");
   EXPECT_EQ(readRsml("<rsml><metadata>\n<unit>parsec</unit></metadata><scene/></rsml>").error(),
             "line 2: the unit 'parsec' is unknown. Write one of m, dm, cm, mm, um, nm, inch, pixel, or unknown");

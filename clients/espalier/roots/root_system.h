@@ -34,9 +34,10 @@ struct RootSystem {
 inline constexpr double kLargestCoordinate = 1e100;
 
 /// Reads the Root System Markup Language (Lobet et al. 2015): axes as polylines, laterals inside their parent, the
-/// functions `diameter` and `emergence_time`, the unit of lengths. A lateral begins at the point `parent-node`, or else
-/// at the nearest point of its parent. An error is a sentence with the line, as for a unit that is unknown. At most 10
-/// million points and 1000 orders.
+/// functions `diameter` and `emergence_time` (or `node_creation_time`) in all domains, the unit of lengths. Points and
+/// samples elsewhere, as in annotations, belong to no root. A lateral begins at the point `parent-node`, or else at the
+/// nearest point of its parent. An error is a sentence with the line, as for a unit that is unknown or samples that do
+/// not fit the points. At most 10 million points and 1000 orders.
 [[nodiscard]] tl::expected<RootSystem, std::string> readRsml(std::string_view text);
 
 /// Reads a table with the columns node, parent, x, y, z and, if there are such, radius, order and emergence, separated

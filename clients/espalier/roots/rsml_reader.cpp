@@ -4,12 +4,13 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <map>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 
 #include "clients/espalier/roots/root_system.h"
-#include "engine/core/number_text.h"
+#include "clients/espalier/roots/rsml_axes.h"
+#include "clients/espalier/roots/rsml_functions.h"
 
 namespace espalier::roots {
 
@@ -56,18 +57,18 @@ constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
     {"nanometer", "nm"},
     {"nanometre", "nm"},
 };
-/// Points that are looked at to find where laterals begin, in all. A file of people needs a small part of it.
-constexpr std::uint64_t kMostLooks = 1'000'000'000;
 
-/// A `root` element while it is read. Laterals are inside of it, after its geometry or before.
-struct ReadAxis {
-  std::size_t line = 0;
-  std::vector<core::Vec3> points;
-  std::vector<double> diameters, emergences;  // samples along the polyline
-  std::optional<double> parentNode;
-  std::size_t parent = std::string::npos;  // index of the axis that it is inside of
-  std::uint32_t order = 1;
-};
+/// Elements whose place in the file counts.
+enum class Element : unsigned char { Other, Rsml, Metadata, Root, Geometry, Polyline, Functions, Function };
+constexpr std::pair<std::string_view, Element> kElements[] = {
+    {"rsml", Element::Rsml},         {"metadata", Element::Metadata}, {"root", Element::Root},
+    {"geometry", Element::Geometry}, {"polyline", Element::Polyline}, {"functions", Element::Functions},
+    {"function", Element::Function}};
+
+/// The name of an element without the prefix of its namespace.
+std::string_view localName(std::string_view name) {
+  return name.substr(name.find(':') + 1);
+}
 
 class Reader {
  public:
@@ -79,9 +80,9 @@ class Reader {
     XML_SetElementHandler(
         parser_,
         [](void* self, const char* name, const char** attributes) {
-          static_cast<Reader*>(self)->begin(name, attributes);
+          static_cast<Reader*>(self)->begin(localName(name), attributes);
         },
-        [](void* self, const char* name) { static_cast<Reader*>(self)->end(name); });
+        [](void* self, const char* name) { static_cast<Reader*>(self)->end(localName(name)); });
     XML_SetCharacterDataHandler(parser_, [](void* self, const char* letters, int count) {
       static_cast<Reader*>(self)->letters(std::string_view(letters, static_cast<std::size_t>(count)));
     });
@@ -108,16 +109,22 @@ class Reader {
     if (!problem_.empty()) {
       return tl::unexpected(problem_);
     }
-    return joined();
+    return joinAxes(axes_, unit_);
   }
 
  private:
   /// Keeps the first problem and ends the reading.
-  void fail(const std::string& sentence) {
+  void failAt(std::size_t line, const std::string& sentence) {
     if (problem_.empty()) {
-      problem_ = "line " + std::to_string(XML_GetCurrentLineNumber(parser_)) + ": " + sentence;
+      problem_ = "line " + std::to_string(line) + ": " + sentence;
       XML_StopParser(parser_, XML_FALSE);
     }
+  }
+  void fail(const std::string& sentence) { failAt(XML_GetCurrentLineNumber(parser_), sentence); }
+  /// Whether the elements around the one that begins or ends are these, the innermost last.
+  [[nodiscard]] bool isInside(std::initializer_list<Element> elements) const {
+    return path_.size() >= elements.size() &&
+           std::equal(elements.begin(), elements.end(), path_.end() - std::ssize(elements));
   }
   [[nodiscard]] std::optional<double> numberIn(std::string_view field) {
     const std::size_t from = field.find_first_not_of(" \t\r\n");
@@ -130,6 +137,20 @@ class Reader {
       return std::nullopt;
     }
     return value;
+  }
+  /// Without blanks.
+  [[nodiscard]] static std::string inSmallLetters(std::string_view text) {
+    std::string small;
+    for (const char letter : text) {
+      if (std::isspace(static_cast<unsigned char>(letter)) == 0) {
+        small += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+      }
+    }
+    return small;
+  }
+  [[nodiscard]] std::optional<double> numberOf(const char** attributes, std::string_view name) {
+    const auto field = attributeOf(attributes, name);
+    return field ? numberIn(*field) : std::nullopt;
   }
   [[nodiscard]] static std::optional<std::string_view> attributeOf(const char** attributes, std::string_view name) {
     for (; *attributes != nullptr; attributes += 2) {
@@ -144,52 +165,99 @@ class Reader {
     text_.clear();
     if (name == "scene") {
       hasScene_ = true;
-    } else if (name == "property-definitions") {
-      definesProperties_ = true;
     } else if (name == "root") {
-      ReadAxis axis;
-      axis.line = XML_GetCurrentLineNumber(parser_);
-      axis.parent = open_.empty() ? std::string::npos : open_.back();
-      axis.order = static_cast<std::uint32_t>(open_.size() + 1);
-      if (open_.size() >= kMostOrders) {
-        fail("roots stand inside each other more than " + std::to_string(kMostOrders) +
-             " deep. Give a file with fewer orders");
-      }
-      open_.push_back(axes_.size());
-      axes_.push_back(std::move(axis));
-    } else if (name == "point" && !open_.empty()) {
+      beginRoot(attributes);
+    } else if (name == "point" && isInside({Element::Root, Element::Geometry, Element::Polyline})) {
       addPoint(attributes);
-    } else if (name == "function") {
-      function_ = attributeOf(attributes, "name").value_or("");
-    } else if (name == "sample") {
-      if (const auto value = attributeOf(attributes, "value")) {
+    } else if (name == "function" && isInside({Element::Root, Element::Functions})) {
+      beginFunction(attributes);
+    } else if (name == "sample" && isInside({Element::Root, Element::Functions, Element::Function})) {
+      position_ = isRead_ ? numberOf(attributes, "position") : std::nullopt;
+      const auto value = attributeOf(attributes, "value");
+      hasValue_ = value.has_value();
+      if (value) {
         addSample(*value);
       }
-      hasValue_ = attributeOf(attributes, "value").has_value();
     } else if (name == "parent-node" && !open_.empty()) {
-      if (const auto value = attributeOf(attributes, "value")) {
-        axes_[open_.back()].parentNode = numberIn(*value);
+      if (const auto value = numberOf(attributes, "value")) {
+        axes_[open_.back()].parentNode = value;
       }
     }
+    const auto* const known = std::ranges::find(kElements, name, &std::pair<std::string_view, Element>::first);
+    path_.push_back(known == std::end(kElements) ? Element::Other : known->second);
   }
 
   void end(std::string_view name) {
-    if (name == "root" && !open_.empty()) {
+    path_.pop_back();
+    if (name == "root") {
+      evaluateFunctions(axes_[open_.back()]);
       open_.pop_back();
-    } else if (name == "sample" && !hasValue_) {
+    } else if (name == "function" && isInside({Element::Root, Element::Functions})) {
+      if (!function_.samples.empty()) {
+        axes_[open_.back()].functions.push_back(std::move(function_));
+      }
+    } else if (name == "sample" && isInside({Element::Root, Element::Functions, Element::Function}) && !hasValue_) {
       addSample(text_);
     } else if (name == "parent-node" && !open_.empty() && !axes_[open_.back()].parentNode && !text_.empty()) {
       axes_[open_.back()].parentNode = numberIn(text_);
-    } else if (name == "property-definitions") {
-      definesProperties_ = false;
-    } else if (name == "unit" && !definesProperties_) {
-      setUnit();
-    } else if (name == "resolution") {
-      if (const auto resolution = numberIn(text_); resolution && *resolution <= 0.0) {
-        fail("the resolution is not above 0. Write the number of pixels in a unit, or leave it out");
+    } else if (isInside({Element::Metadata}) || isInside({Element::Rsml})) {
+      // elsewhere both belong to a property, or to a picture
+      if (name == "unit") {
+        setUnit();
+      } else if (name == "resolution") {
+        if (const auto resolution = numberIn(text_); resolution && *resolution <= 0.0) {
+          fail("the resolution is not above 0. Write the number of pixels in a unit, or leave it out");
+        }
       }
     }
     text_.clear();
+  }
+
+  void beginRoot(const char** attributes) {
+    RsmlAxis axis;
+    axis.line = XML_GetCurrentLineNumber(parser_);
+    axis.id = attributeOf(attributes, "ID").value_or("").substr(0, 40);
+    axis.parent = open_.empty() ? std::string::npos : open_.back();
+    axis.order = static_cast<std::uint32_t>(open_.size() + 1);
+    if (open_.size() >= kMostOrders) {
+      fail("roots stand inside each other more than " + std::to_string(kMostOrders) +
+           " deep. Give a file with fewer orders");
+    }
+    open_.push_back(axes_.size());
+    axes_.push_back(std::move(axis));
+  }
+
+  void beginFunction(const char** attributes) {
+    function_ = RsmlFunction();
+    function_.name = attributeOf(attributes, "name").value_or("");
+    function_.domain = inSmallLetters(attributeOf(attributes, "domain").value_or(""));
+    function_.line = XML_GetCurrentLineNumber(parser_);
+    isRead_ = function_.name == "diameter" || isEmergence(function_);
+    if (isRead_) {
+      function_.origin = numberOf(attributes, "origin");
+      function_.step = numberOf(attributes, "step");
+    }
+  }
+
+  [[nodiscard]] static bool isEmergence(const RsmlFunction& function) {
+    return function.name == "emergence_time" || function.name == "node_creation_time";
+  }
+
+  /// The first function of a kind counts.
+  void evaluateFunctions(RsmlAxis& axis) {
+    for (const RsmlFunction& function : axis.functions) {
+      std::vector<double>& target = isEmergence(function) ? axis.emergences : axis.diameters;
+      if (axis.points.empty() || !target.empty()) {
+        continue;
+      }
+      auto values = valuesAt(function, axis.points, axis.id);
+      if (!values) {
+        failAt(function.line, values.error());
+        return;
+      }
+      target = std::move(*values);
+    }
+    axis.functions = {};
   }
 
   void letters(std::string_view some) {
@@ -200,12 +268,7 @@ class Reader {
 
   /// The unit of all lengths; a property has its own.
   void setUnit() {
-    std::string name;
-    for (const char letter : text_) {
-      if (std::isspace(static_cast<unsigned char>(letter)) == 0) {
-        name += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
-      }
-    }
+    const std::string name = inSmallLetters(text_);
     const auto* const known = std::ranges::find(kUnits, name, &std::pair<std::string_view, std::string_view>::first);
     if (known == std::end(kUnits)) {
       fail("the unit '" + text_.substr(0, 40) +
@@ -235,125 +298,33 @@ class Reader {
   }
 
   void addSample(std::string_view field) {
-    const bool isEmergence = function_ == "emergence_time" || function_ == "node_creation_time";
-    if (open_.empty() || !(function_ == "diameter" || isEmergence)) {
+    if (!isRead_) {
       return;
     }
     const auto value = numberIn(field);
-    if (value && function_ == "diameter" && *value < 0.0) {
+    if (value && function_.name == "diameter" && *value < 0.0) {
       fail("a diameter is below 0. Correct the number");
     }
-    ReadAxis& axis = axes_[open_.back()];
-    if (value && axis.diameters.size() + axis.emergences.size() < 2 * kMostPoints) {
-      (isEmergence ? axis.emergences : axis.diameters).push_back(*value);
+    if (++sampleCount_ > 2 * kMostPoints) {
+      fail("the file has more than " + std::to_string(2 * kMostPoints) + " samples. Give a smaller file");
     }
-  }
-
-  /// The node of an axis from which a lateral grows.
-  [[nodiscard]] std::uint32_t joinOf(const RootSystem& roots, const ReadAxis& lateral,
-                                     const std::vector<std::uint32_t>& nodesOfParent) {
-    // -1: unknown
-    if (const double wanted = lateral.parentNode.value_or(-1.0); wanted != -1.0) {
-      if (wanted >= 0.0 && wanted < static_cast<double>(nodesOfParent.size()) && wanted == std::floor(wanted)) {
-        return nodesOfParent[static_cast<std::size_t>(wanted)];
-      }
-      if (wrongJoins_++ == 0) {
-        core::appendNumber(firstWrongJoin_, wanted, core::NumberStyle::Shortest);
-        firstWrongJoin_ = "line " + std::to_string(lateral.line) + " has the parent-node " + firstWrongJoin_ +
-                          ", and the parent has the points 0 to " + std::to_string(nodesOfParent.size() - 1);
-      }
-    }
-    std::uint32_t best = nodesOfParent.front();
-    looks_ += nodesOfParent.size();
-    if (looks_ > kMostLooks) {
-      return best;
-    }
-    for (const std::uint32_t node : nodesOfParent) {
-      if (core::length(roots.nodes[node].place - lateral.points.front()) <
-          core::length(roots.nodes[best].place - lateral.points.front())) {
-        best = node;
-      }
-    }
-    return best;
-  }
-
-  [[nodiscard]] tl::expected<RootSystem, std::string> joined() {
-    RootSystem roots;
-    roots.unit = unit_;
-    std::vector<std::vector<std::uint32_t>> nodesOf(axes_.size());
-    for (std::size_t i = 0; i < axes_.size(); ++i) {
-      const ReadAxis& axis = axes_[i];
-      const bool isLateral = axis.parent != std::string::npos && !nodesOf[axis.parent].empty() && !axis.points.empty();
-      for (std::size_t k = 0; k < axis.points.size(); ++k) {
-        RootSystem::Node node;
-        node.place = axis.points[k];
-        node.order = axis.order;
-        node.axis = static_cast<std::uint32_t>(i);
-        node.radius = axis.diameters.empty() ? 0.0 : 0.5 * axis.diameters[std::min(k, axis.diameters.size() - 1)];
-        if (!axis.emergences.empty()) {
-          node.emergence = axis.emergences[std::min(k, axis.emergences.size() - 1)];
-        }
-        if (k == 0 && isLateral) {
-          node.parent = joinOf(roots, axis, nodesOf[axis.parent]);
-          noteGap(axis, axes_[axis.parent].points, core::length(roots.nodes[node.parent].place - node.place));
-          if (roots.nodes[node.parent].place == node.place) {
-            // the lateral begins at the point itself
-            nodesOf[i].push_back(node.parent);
-            continue;
-          }
-        } else if (k > 0) {
-          node.parent = nodesOf[i].back();
-        }
-        nodesOf[i].push_back(static_cast<std::uint32_t>(roots.nodes.size()));
-        roots.nodes.push_back(node);
-      }
-    }
-    if (wrongJoins_ > 0) {
-      roots.remark =
-          std::to_string(wrongJoins_) + (wrongJoins_ == 1 ? " lateral begins" : " laterals begin") +
-          " at the nearest point of the parent, because the file names a point that is not there: " + firstWrongJoin_;
-    }
-    if (gaps_ > 0) {
-      roots.remark +=
-          (roots.remark.empty() ? "" : "; ") + std::to_string(gaps_) +
-          (gaps_ == 1 ? " lateral begins" : " laterals begin") +
-          " farther from the parent than the parent's points lie apart; a straight piece joins them: " + firstGap_;
-    }
-    if (looks_ > kMostLooks) {
-      return tl::unexpected(std::string(
-          "laterals have no 'parent-node', and their parents have too many points to look for it. Add the property"));
-    }
-    return roots;
-  }
-
-  /// Counts a lateral that begins away from its parent.
-  void noteGap(const ReadAxis& lateral, const std::vector<core::Vec3>& parent, double distance) {
-    double apart = 0.0;
-    for (std::size_t k = 1; k < parent.size() && !(apart >= distance); ++k) {
-      apart = std::max(apart, core::length(parent[k] - parent[k - 1]));
-    }
-    if (parent.size() > 1 && distance > apart && gaps_++ == 0) {
-      core::appendNumber(firstGap_, distance, core::NumberStyle::Shortest);
-      firstGap_ = "line " + std::to_string(lateral.line) + ", " + firstGap_ + " away";
-    }
+    function_.samples.push_back({.value = value.value_or(0.0), .position = position_});
   }
 
   XML_Parser parser_ = nullptr;
   std::string problem_;
-  std::size_t wrongJoins_ = 0;  // laterals whose parent-node is not there
-  std::string firstWrongJoin_;
-  std::size_t gaps_ = 0;  // laterals that begin away from their parents
-  std::string firstGap_;
-  std::vector<ReadAxis> axes_;     // parents come first
-  std::vector<std::size_t> open_;  // axes whose elements are open
-  std::string function_;           // name of the last function
-  std::string text_;               // between the last two tags
+  std::vector<RsmlAxis> axes_;      // parents come first
+  std::vector<std::size_t> open_;   // axes whose elements are open
+  std::vector<Element> path_;       // elements that are open
+  RsmlFunction function_;           // that is open
+  bool isRead_ = false;             // the open function is one of those that are read
+  std::optional<double> position_;  // of the open sample
+  std::string text_;                // between the last two tags
   std::string unit_;
   std::size_t pointCount_ = 0;
-  std::uint64_t looks_ = 0;
+  std::size_t sampleCount_ = 0;
   bool hasScene_ = false;
-  bool definesProperties_ = false;  // inside of property-definitions
-  bool hasValue_ = false;           // the open sample has its value as an attribute
+  bool hasValue_ = false;  // the open sample has its value as an attribute
 };
 
 }  // namespace
