@@ -100,7 +100,7 @@ std::optional<std::string> readStartString(const ModelOptions& options, const st
       printError(file + ":" + *problem);
       return std::nullopt;
     }
-    const auto& [strings, modules] = std::get<turtle::MtgStrings>(read);
+    const auto& [strings, modules, missing] = std::get<turtle::MtgStrings>(read);
     if (strings.size() != 1) {
       printError("'" + file + "' has " + std::to_string(strings.size()) +
                  " plants, and a run starts from one: give a file with one plant");
@@ -108,7 +108,11 @@ std::optional<std::string> readStartString(const ModelOptions& options, const st
     }
     text = strings.front();
     if (!modules.empty() && !isQuiet) {
-      printNote("'" + file + "' (--from) has the modules " + modules);
+      printNote("'" + file + "' (--from) has the modules " + modules +
+                (missing == 0 ? std::string()
+                              : "; " + std::to_string(missing) +
+                                    (missing == 1 ? " of their numbers is missing in the file and is 0"
+                                                  : " of their numbers are missing in the file and are 0")));
     }
   }
   if (roots::isRootFile(file)) {
@@ -295,11 +299,11 @@ std::vector<std::string> dialectChoices() {
 }  // namespace
 
 void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelRequired) {
-  CLI::Option* model =
-      command.add_option("model", options.model,
-                         "An L-system file (.l, or a file of another dialect; FILE:ENTRY for one of several "
-                         "models in it),\na model folder, a forest (.json), a root system (.rsml, or a .tsv table), or the name of "
-                         "a\nmodel of the gallery that came with the program");
+  CLI::Option* model = command.add_option(
+      "model", options.model,
+      "An L-system file (.l, or a file of another dialect; FILE:ENTRY for one of several "
+      "models in it),\na model folder, a forest (.json), a root system (.rsml, or a .tsv table), or the name of "
+      "a\nmodel of the gallery that came with the program");
   model->type_name("MODEL");
   model->transform(server::pathOrGallery);
   model->required(isModelRequired);

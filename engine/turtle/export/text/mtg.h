@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -32,13 +33,15 @@ struct MtgStrings {
   std::vector<std::string> strings;  // one for each entity of the coarsest scale
   std::string modules;               // of entities without `Text`: the classes with the features that are their
                                      // parameters, as `Internode(length,width), Leaf`; else empty
+  std::uint64_t missingNumbers = 0;  // parameters of these entities that the file does not have, and that are 0
 };
 
 /// Reads an MTG in FORM-A back into strings: entities of the finest scale become modules, in brackets what is joined
 /// by `+`. An entity with a feature `Text` is that text. Another is its class with numbers as parameters: those of the
-/// numeric features that any entity of its class has, 0 where it has none itself, so that all modules of a class have
-/// the same parameters. `E1<<E5` is a series of entities; of an entity that was observed several times (lines of `*`)
-/// the last numbers count. An error is "LINE: what is wrong".
+/// numeric features that any entity of its class has, 0 where it has none itself (an empty cell, `NA` or `NaN`), so
+/// that all modules of a class have the same parameters. What is no number in a column of numbers is an error. `E1<<E5`
+/// is a series of entities; of an entity that was observed several times (lines of `*`) the last numbers count. An
+/// error is "LINE: what is wrong".
 [[nodiscard]] std::variant<MtgStrings, std::string> readMtg(std::string_view text);
 
 }  // namespace espalier::turtle

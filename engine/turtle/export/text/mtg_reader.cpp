@@ -91,7 +91,7 @@ class MtgReader {
   void joinPart(Vertex& vertex, std::size_t base) const;
   std::string addSeries(const Vertex& last, std::size_t& base);
   void add(Vertex vertex);
-  void readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex);
+  std::string readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex);
   [[nodiscard]] std::size_t ancestorAt(std::size_t vertex, int scale) const;
   [[nodiscard]] std::size_t endOf(std::size_t vertex, int scale) const;
   void chooseParameters();
@@ -320,7 +320,14 @@ std::string MtgReader::readCode(std::string_view code, std::size_t column) {
   return {};
 }
 
-void MtgReader::readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex) {
+// whether a cell has no number: it is empty, or has what R and Python write there
+bool isMissing(std::string_view cell) {
+  const auto isSame = [](char a, char b) { return (a | 0x20) == b; };
+  return cell.empty() || std::ranges::equal(cell, std::string_view("na"), isSame) ||
+         std::ranges::equal(cell, std::string_view("nan"), isSame);
+}
+
+std::string MtgReader::readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex) {
   // a short line has few of them
   const std::size_t given = columns.size() > featureColumn_ ? columns.size() - featureColumn_ : 0;
   vertex.numbers.resize(std::max(vertex.numbers.size(), std::min(given, features_.size())), kUnknown);
@@ -331,14 +338,18 @@ void MtgReader::readFeatures(const std::vector<std::string_view>& columns, Verte
     const std::string_view value = columns[featureColumn_ + i];
     if (features_[i] == "Text") {
       vertex.text = unescaped(value);
-    } else if (isNumeric_[features_[i]] && !value.empty()) {
+    } else if (isNumeric_[features_[i]] && !isMissing(value)) {
       double number = 0.0;
-      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-      if (error == std::errc() && end == value.data() + value.size() && std::isfinite(number)) {
-        vertex.numbers[i] = number;
+      const char* const begin = value.data() + (value.starts_with('+') ? 1 : 0);
+      const auto [end, error] = std::from_chars(begin, value.data() + value.size(), number);
+      if (error != std::errc() || end != value.data() + value.size() || !std::isfinite(number)) {
+        return problem("expected a number in the column '" + features_[i] + "', found '" +
+                       std::string(value.substr(0, 40)) + "'. Write it with a decimal point, or leave the cell empty");
       }
+      vertex.numbers[i] = number;
     }
   }
+  return {};
 }
 
 std::string MtgReader::readGraphLine(std::string_view line) {
@@ -372,17 +383,13 @@ std::string MtgReader::readGraphLine(std::string_view line) {
     if (column >= lastOfColumn_.size() || lastOfColumn_[column] == kNoVertex) {
       return problem("'*' follows no entity of its column");
     }
-    readFeatures(columns, vertices_[lastOfColumn_[column]]);
-    return {};
+    return readFeatures(columns, vertices_[lastOfColumn_[column]]);
   }
   const std::size_t before = vertices_.size();
   if (std::string what = readCode(columns[column], column); !what.empty()) {
     return what;
   }
-  if (vertices_.size() > before) {
-    readFeatures(columns, vertices_.back());
-  }
-  return {};
+  return vertices_.size() > before ? readFeatures(columns, vertices_.back()) : std::string();
 }
 
 std::string MtgReader::readLine(std::string_view line) {
@@ -503,6 +510,7 @@ MtgStrings MtgReader::strings() const {
   for (const Vertex& vertex : vertices_) {
     finest = std::max(finest, vertex.scale);
   }
+  MtgStrings result;
   std::map<std::size_t, std::string> byPlant;
   std::set<std::string> classes;
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
@@ -513,9 +521,11 @@ MtgStrings MtgReader::strings() const {
     }
     if (vertex.scale == finest && !vertex.text) {
       classes.insert(vertex.entityClass);
+      for (const std::size_t k : parameters_.at(vertex.entityClass)) {
+        result.missingNumbers += k >= vertex.numbers.size() || std::isnan(vertex.numbers[k]) ? 1 : 0;
+      }
     }
   }
-  MtgStrings result;
   for (auto& [plant, text] : byPlant) {
     result.strings.push_back(std::move(text));
   }

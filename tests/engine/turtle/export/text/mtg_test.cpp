@@ -189,6 +189,8 @@ TEST(Mtg, AllModulesOfAClassHaveTheParametersThatAnyOfThemHas) {
   const auto result = std::get<MtgStrings>(readMtg(mtg));
   EXPECT_EQ(result.strings, std::vector<std::string>{"Internode(12,0)[Leaf(40)]Internode(0,0.5)"});
   EXPECT_EQ(result.modules, "Internode(Length,Width), Leaf(Angle)");
+  // the first internode's width, which is NA, and the second's length
+  EXPECT_EQ(result.missingNumbers, 2U);
 }
 
 MtgStrings readFile(const std::string& name) {
@@ -242,6 +244,35 @@ TEST(Mtg, MistakesAreNamedWithTheirLine) {
             "17: with '<<U600001' the series of the file have more than 1000000 entities");
   EXPECT_EQ(problem("/P1/U99999999999999999999\n"), "16: the number of 'U99999999999999999999' is too large");
   EXPECT_EQ(read("CLASSES:\nSYMBOL\tSCALE\nP\tone\n").front(), "3: the scale of class 'P' is not a whole number");
+}
+
+TEST(Mtg, WhatIsNoNumberInAColumnOfNumbersIsRefused) {
+  const auto of = [](const std::string& type, const std::string& cells) {
+    return read(std::string(kHead) + "Width\tREAL\nLength\t" + type +
+                "\nMTG:\nENTITY-CODE\t\t\tWidth\tLength\n/P1/U1\t\t\t" + cells + "\n")
+        .front();
+  };
+  EXPECT_EQ(
+      of("REAL", "1\t0,5"),
+      "18: expected a number in the column 'Length', found '0,5'. Write it with a decimal point, or leave the cell "
+      "empty");
+  EXPECT_EQ(
+      of("INT", "12 cm\t3"),
+      "18: expected a number in the column 'Width', found '12 cm'. Write it with a decimal point, or leave the cell "
+      "empty");
+  EXPECT_EQ(
+      of("INT", "1\tinf"),
+      "18: expected a number in the column 'Length', found 'inf'. Write it with a decimal point, or leave the cell "
+      "empty");
+  // also where an entity is observed again
+  EXPECT_EQ(
+      of("REAL", "1\t2\n*\t\t\t1\t2,5"),
+      "19: expected a number in the column 'Length', found '2,5'. Write it with a decimal point, or leave the cell "
+      "empty");
+  EXPECT_EQ(of("REAL", "+1.5\t-2e1"), "U(1.5,-20)");
+  EXPECT_EQ(of("REAL", "nan\t2"), "U(2)");
+  // text may be anything
+  EXPECT_EQ(of("ALPHA", "1\t0,5"), "U(1)");
 }
 
 TEST(ModuleTable, FormatsOfModulesSayHowFarTheyAre) {
