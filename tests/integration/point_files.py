@@ -68,3 +68,28 @@ def ply(points: Sequence[Point], form: str = "ascii") -> bytes:
         return header + "".join(f"{x} 7 {y} {z}\n" for x, y, z in points).encode()
     order = "<" if form == "binary_little_endian" else ">"
     return header + b"".join(struct.pack(order + "dBdf", x, 7, y, z) for x, y, z in points)
+
+
+def ply_with_lists(points: Sequence[Point], form: str) -> bytes:
+    """Cameras, an element without properties and faces before the vertices, and a list in each vertex."""
+    header = (f"ply\nformat {form} 1.0\nelement camera 2\nproperty float focus\nelement nothing 7\nelement face 2\n"
+              f"property list uchar int vertex_indices\nproperty uchar red\nelement vertex {len(points)}\n"
+              "property list short ushort seen_by\nproperty double x\nproperty double y\nproperty float z\nend_header\n").encode()
+    if form == "ascii":
+        return header + b"1\n2\n3 0 1 2 9\n0 9\n" + "".join(f"2 7 8 {x} {y} {z}\n" for x, y, z in points).encode()
+    order = "<" if form == "binary_little_endian" else ">"
+    return (header + struct.pack(order + "ffB3iBBB", 1, 2, 3, 0, 1, 2, 9, 0, 9) +
+            b"".join(struct.pack(order + "hHHddf", 2, 7, 8, x, y, z) for x, y, z in points))
+
+
+def hostile_plys() -> List[bytes]:
+    """Counts and lengths that the bytes do not have: faces, numbers of a list, a length below 0."""
+    whole = ply_with_lists([(1, 2, 3), (4, 5, 6)], "binary_little_endian")
+    first = whole.index(b"end_header\n") + len(b"end_header\n")
+    vertex = len(whole) - 2 * 26
+    cubes = b"property float x\nproperty float y\nproperty float z\nend_header\n"
+    return [whole.replace(b"face 2", b"face 18446744073709551615"), whole.replace(b"camera 2", b"camera 18446744073709551615"),
+            whole[:first + 8] + b"\xff" + whole[first + 9:],
+            whole[:vertex] + b"\xff\xff" + whole[vertex + 2:], whole[:vertex] + b"\xff\x7f" + whole[vertex + 2:],
+            b"ply\nformat binary_big_endian 1.0\nelement a 1\nproperty list uint double b\nelement vertex 2\n" + cubes + b"\xff" * 40,
+            b"ply\nformat ascii 1.0\nelement a 18446744073709551615\nproperty int b\nelement vertex 2\n" + cubes + b"1\n1 2 3\n"]

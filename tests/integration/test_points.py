@@ -88,6 +88,14 @@ class Points(unittest.TestCase):
         newest = self.field(self.write("e.las", point_files.las(points, 4, 6)), "pointCount", "--axes", "file")
         self.assertEqual(newest, self.field(self.folder / "a.las", "pointCount", "--axes", "file"))
 
+    def test_lists_of_vertices_and_elements_before_them_are_passed_over(self) -> None:
+        points = point_files.tree(50)
+        expected = self.field(self.write("plain.ply", point_files.ply(points, "binary_little_endian")), "pointCount")
+        for form in ("ascii", "binary_little_endian", "binary_big_endian"):
+            file = self.write("lists.ply", point_files.ply_with_lists(points, form))
+            self.assertEqual(self.table(file)["points"], ["50"], form)
+            self.assertEqual(self.field(file, "pointCount"), expected, form)
+
     def test_up_in_the_file_is_up_in_the_world(self) -> None:
         points = [(1.6, 2.7, 7.6), (1.7, 2.8, 7.7), (0.7, 0.7, 0.7)]
         self.assertEqual({cell: count for cell, count in self.field(self.write("a.las", point_files.las(points)), "pointCount").items() if count},
@@ -199,9 +207,15 @@ class Points(unittest.TestCase):
                               (b"lots of text", "is neither a LAS nor a PLY file"),
                               (b"ply\nformat ascii 1.0\n", "is cut short: its header has no end_header"),
                               (b"ply\nformat text 1.0\nend_header\n", "line 2: the format is not ascii, binary_little_endian"),
-                              (b"ply\nformat ascii 1.0\nelement face 1\nend_header\n", "line 3: the first element is 'face'"),
+                              (b"ply\nformat ascii 1.0\nelement face 1\nend_header\n", "line 4: there is no element 'vertex' with x, y and z"),
+                              (b"ply\nformat ascii 1.0\nelement face one\nend_header\n", "line 3: expected one element 'face' with the number of them"),
                               (b"ply\nformat ascii 1.0\nelement vertex -1\nend_header\n", "line 3: expected one element 'vertex'"),
-                              (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int a\nend_header\n", "line 4: vertices with lists"),
+                              (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty list float int a\nend_header\n", "line 4: the length of a list has the type 'float'"),
+                              (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int\nend_header\n", "line 4: expected 'property TYPE NAME'"),
+                              *[(content, "is cut short: it holds 0 of its 2 points") for content in point_files.hostile_plys()],
+                              (point_files.ply_with_lists([(1, 2, 3)], "ascii").replace(b"\n2 7 8 1", b"\n-1 7 8 1"), "has a list without a length in line 19"),
+                              (point_files.ply_with_lists([(1, 2, 3), (4, 5, 6)], "ascii").replace(b"\n2 7 8 1", b"\n2 8 1"), "has 5 numbers in line 19, and its points have 6"),
+                              (point_files.ply_with_lists([(1, 2, 3), (4, 5, 6)], "binary_big_endian")[:-4], "is cut short: it holds 1 of its 2 points"),
                               (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\nend_header\n", "line 4: the type 'half' is unknown"),
                               (b"ply\nformat ascii 1.0\nhello\nend_header\n", "line 3: 'hello' is not expected there"),
                               (b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n", "line 5: there is no element 'vertex' with x, y and z"),

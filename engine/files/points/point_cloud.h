@@ -30,8 +30,8 @@ using PointCloudOrProblem = tl::expected<PointCloud, std::string>;
 /// O(bytes).
 [[nodiscard]] PointCloudOrProblem readLasPoints(std::string_view bytes);
 
-/// Reads the vertices of a PLY file (Turk 1994): ascii or binary, in either byte order. Elements behind the vertices
-/// are not looked at. Time and memory are O(bytes).
+/// Reads the vertices of a PLY file (Turk 1994): ascii or binary, in either byte order. Lists of vertices and elements
+/// before the vertices are passed over, and elements behind them are not looked at. Time and memory are O(bytes).
 [[nodiscard]] PointCloudOrProblem readPlyPoints(std::string_view bytes);
 
 /// Reads either, by the first bytes of the file.
