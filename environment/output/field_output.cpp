@@ -11,6 +11,7 @@
 
 #include "environment/base/json_text.h"
 #include "environment/base/number_text.h"
+#include "environment/output/vtk_arrays.h"
 
 namespace espalier::environment {
 
@@ -21,6 +22,11 @@ using turtle::Field;
 constexpr std::string_view kBase64Digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 /// More cells than any field here has.
 constexpr std::size_t kMostCells = std::size_t{1} << 30;
+/// Numbers that a file may unpack, in all: a small file can ask for many.
+constexpr std::size_t kMostUnpacked = std::size_t{1} << 28;
+constexpr std::string_view kHowToWrite =
+    "write it with SetDataModeToAppended or SetDataModeToBinary, and SetCompressorTypeToZLib or "
+    "SetCompressorTypeToNone";
 
 std::string littleEndian(std::uint64_t word) {
   std::string bytes;
@@ -52,34 +58,6 @@ std::string toBase64(std::string_view bytes) {
     }
   }
   return text;
-}
-
-/// Blanks are skipped; padding ends a run, so that data written in several runs are read as one.
-std::optional<std::string> fromBase64(std::string_view text) {
-  std::string bytes;
-  std::uint32_t group = 0;
-  int digits = 0;
-  int padding = 0;
-  for (const char character : text) {
-    if (character == ' ' || character == '\n' || character == '\r' || character == '\t') {
-      continue;
-    }
-    const std::size_t digit = character == '=' ? 0 : kBase64Digits.find(character);
-    if (digit == std::string_view::npos) {
-      return std::nullopt;
-    }
-    padding += character == '=' ? 1 : 0;
-    group = (group << 6U) | static_cast<std::uint32_t>(digit);
-    if (++digits == 4) {
-      for (int k = 0; k < 3 - padding; ++k) {
-        bytes.push_back(static_cast<char>((group >> (16 - 8 * k)) & 0xFFU));
-      }
-      group = 0;
-      digits = 0;
-      padding = 0;
-    }
-  }
-  return digits == 0 ? std::optional(bytes) : std::nullopt;
 }
 
 std::string escaped(std::string_view text) {
@@ -199,21 +177,65 @@ std::optional<std::vector<double>> numbersOfType(std::string_view bytes, std::st
   return values;
 }
 
-tl::expected<std::vector<double>, std::string> dataOf(const Element& array, bool hasLongHeader) {
+/// How the file packs its arrays; the error is a sentence.
+tl::expected<VtkPacking, std::string> packingOf(const Element& file, std::string_view text, std::size_t from) {
+  VtkPacking packing{.hasLongHeader = attribute(file, "header_type").value_or("UInt32") == "UInt64"};
+  if (attribute(file, "byte_order").value_or("LittleEndian") != "LittleEndian") {
+    return tl::unexpected(std::string("is big-endian: write it with SetByteOrderToLittleEndian"));
+  }
+  if (const auto compressor = attribute(file, "compressor"); compressor && !compressor->empty()) {
+    if (*compressor != "vtkZLibDataCompressor") {
+      return tl::unexpected("is compressed by '" + compressor->substr(0, 60) + "': " + std::string(kHowToWrite));
+    }
+    packing.isCompressed = true;
+  }
+  const auto appended = findElement(text, "AppendedData", from);
+  const std::size_t start = appended ? text.find('_', appended->end) : std::string_view::npos;
+  if (start != std::string_view::npos) {
+    packing.appended = text.substr(start + 1);
+    packing.isAppendedBase64 = attribute(*appended, "encoding").value_or("base64") == "base64";
+  }
+  return packing;
+}
+
+tl::expected<std::vector<double>, std::string> dataOf(const Element& array, const VtkPacking& packing,
+                                                      std::size_t most) {
   const std::string format = attribute(array, "format").value_or("ascii");
   if (format == "ascii") {
     return numbersIn(array.content);
   }
-  if (format != "binary") {
-    return tl::unexpected("has data of the format '" + format + "': write inline binary or ascii data");
+  const bool isAppended = format == "appended";
+  if (format != "binary" && !isAppended) {
+    return tl::unexpected("has data of the format '" + format + "': " + std::string(kHowToWrite));
   }
-  const auto bytes = fromBase64(array.content);
-  const std::size_t header = hasLongHeader ? 8 : 4;
-  if (!bytes || bytes->size() < header) {
-    return tl::unexpected(std::string("has a data array that is no base64"));
+  std::string_view data = array.content;
+  if (isAppended) {
+    const auto offset = numbersIn(attribute(array, "offset").value_or(""));
+    if (offset.size() != 1 || !(offset[0] >= 0.0 && offset[0] < static_cast<double>(packing.appended.size()))) {
+      return tl::unexpected(std::string("has a data array that is damaged or cut short. Get a complete copy"));
+    }
+    data = packing.appended.substr(static_cast<std::size_t>(offset[0]));
   }
   const std::string type = attribute(array, "type").value_or("Float64");
-  auto values = numbersOfType(std::string_view(*bytes).substr(header), type);
+  tl::expected<std::string, std::string> bytes;
+  if (isAppended || packing.isCompressed) {
+    bytes = unpackedBytes(data, !isAppended || packing.isAppendedBase64, packing,
+                          most * (type.ends_with('8')    ? 1
+                                  : type.ends_with("16") ? 2
+                                  : type.ends_with("32") ? 4
+                                                         : 8));
+    if (!bytes) {
+      return tl::unexpected(std::move(bytes.error()));
+    }
+  } else {
+    const std::size_t header = packing.hasLongHeader ? 8 : 4;
+    const auto all = fromBase64(data, data.size());
+    if (!all || all->size() < header) {
+      return tl::unexpected(std::string("has a data array that is no base64"));
+    }
+    bytes = all->substr(header);
+  }
+  auto values = numbersOfType(*bytes, type);
   if (!values) {
     return tl::unexpected("has a data array of the unknown type '" + type + "'");
   }
@@ -247,8 +269,9 @@ tl::expected<std::vector<Field>, std::string> readVti(std::string_view text) {
   if (!cells) {
     return tl::unexpected(std::string("is no VTK image data file with cell data"));
   }
-  if (attribute(*file, "compressor") || attribute(*file, "byte_order").value_or("LittleEndian") != "LittleEndian") {
-    return tl::unexpected(std::string("is compressed or big-endian: write it little-endian without compression"));
+  const auto packing = packingOf(*file, text, cells->end);
+  if (!packing) {
+    return tl::unexpected(packing.error());
   }
   const std::vector<double> extent = numbersIn(attribute(*image, "WholeExtent").value_or(""));
   const std::vector<double> origin = numbersIn(attribute(*image, "Origin").value_or("0 0 0"));
@@ -269,12 +292,17 @@ tl::expected<std::vector<Field>, std::string> readVti(std::string_view text) {
   shape.cellSize = {spacing[0], spacing[1], spacing[2]};
   shape.position = {origin[0] + extent[0] * spacing[0], origin[1] + extent[2] * spacing[1],
                     origin[2] + extent[4] * spacing[2]};
-  const bool hasLongHeader = attribute(*file, "header_type").value_or("UInt32") == "UInt64";
+  std::size_t unpacked = 0;
   std::vector<Field> fields;
   const std::size_t last = text.find("</CellData", cells->end);
   for (auto array = findElement(text, "DataArray", cells->end); array && array->end < last;
        array = findElement(text, "DataArray", array->end)) {
-    auto data = dataOf(*array, hasLongHeader);
+    unpacked += packing->isCompressed || !packing->appended.empty() ? count : 0;
+    if (unpacked > kMostUnpacked) {
+      return tl::unexpected("has more than " + std::to_string(kMostUnpacked) +
+                            " numbers in packed arrays. Write fewer quantities into a file");
+    }
+    auto data = dataOf(*array, *packing, count);
     if (!data) {
       return tl::unexpected(std::move(data.error()));
     }

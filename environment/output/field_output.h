@@ -17,8 +17,9 @@ namespace espalier::environment {
 /// fields must have the same cells; ParaView and VTK read it. O(cells).
 [[nodiscard]] std::string writeVti(std::span<const turtle::Field> fields);
 
-/// Reads a .vti file with one piece whose cell data are inline base64 or ascii, of any VTK number type, not compressed;
-/// units are kept in our own files. The error is a sentence about the file without its subject. O(text).
+/// Reads a .vti file with one piece, little-endian, whose cell data are ascii, inline base64 or appended (base64 or
+/// raw), of any VTK number type, not compressed or by vtkZLibDataCompressor; units are kept in our own files. The error
+/// is a sentence about the file without its subject. O(text + numbers).
 [[nodiscard]] tl::expected<std::vector<turtle::Field>, std::string> readVti(std::string_view text);
 
 /// The values as little-endian doubles, x fastest, and the JSON header that says so.

@@ -57,15 +57,20 @@ TEST(FieldOutput, WhatCannotBeReadIsSaid) {
     return text;
   };
   EXPECT_EQ(problem("<html></html>"), "is no VTK image data file with cell data");
-  EXPECT_EQ(problem(changed("version=\"1.0\" byte", "compressor=\"z\" byte")),
-            "is compressed or big-endian: write it little-endian without compression");
+  EXPECT_EQ(problem(changed("version=\"1.0\" byte", "compressor=\"vtkLZ4DataCompressor\" byte")),
+            "is compressed by 'vtkLZ4DataCompressor': write it with SetDataModeToAppended or SetDataModeToBinary, and "
+            "SetCompressorTypeToZLib or SetCompressorTypeToNone");
+  EXPECT_EQ(problem(changed("LittleEndian", "BigEndian")), "is big-endian: write it with SetByteOrderToLittleEndian");
   EXPECT_EQ(problem(changed("0 3 0 2 0 2", "0 3 0 2")),
             "has no extent of six numbers, or an origin or spacing without three");
   EXPECT_EQ(problem(changed("0 3 0 2 0 2", "0 3 0 2 0 0")), "has an extent without cells, or with too many");
   EXPECT_EQ(problem(changed("0 3 0 2 0 2", "0 3 0 2 0 4")), "has 12 numbers in 'a<b' for 24 cells");
   EXPECT_EQ(problem(changed("Float64", "Float99")), "has a data array of the unknown type 'Float99'");
-  EXPECT_EQ(problem(changed("format=\"binary\"", "format=\"appended\"")),
-            "has data of the format 'appended': write inline binary or ascii data");
+  EXPECT_EQ(problem(changed("format=\"binary\"", "format=\"appended\" offset=\"0\"")),
+            "has a data array that is damaged or cut short. Get a complete copy");
+  EXPECT_EQ(problem(changed("format=\"binary\"", "format=\"text\"")),
+            "has data of the format 'text': write it with SetDataModeToAppended or SetDataModeToBinary, and "
+            "SetCompressorTypeToZLib or SetCompressorTypeToNone");
   EXPECT_EQ(problem(changed("\"binary\">\n", "\"binary\">\n*")), "has a data array that is no base64");
 }
 
