@@ -112,6 +112,18 @@ TEST(VtkArrays, FilesOfEveryDataModeOfVtkAreRead) {
   }
 }
 
+TEST(VtkArrays, AnArrayOfTheVtkLibraryIsRead) {
+  // the corners of a square, as vtkXMLUnstructuredGridWriter wrote them: one block of 48 bytes, packed into 17
+  const auto bytes =
+      unpackedBytes("\n  AQAAAACAAAAwAAAAEQAAAA==eJxjYEAGDfaobEw+ADwjA7w=\n", true, {.isCompressed = true}, 48);
+  ASSERT_TRUE(bytes.has_value()) << bytes.error();
+  std::string expected;
+  for (const float number : {0.0F, 0.0F, 0.0F, 1.0F, 0.0F, 0.0F, 1.0F, 1.0F, 0.0F, 0.0F, 1.0F, 1.0F}) {
+    expected += word(std::bit_cast<std::uint32_t>(number), 4);
+  }
+  EXPECT_EQ(*bytes, expected);
+}
+
 TEST(VtkArrays, DamagedArraysAreRefused) {
   const std::string damaged = "has a data array that is damaged or cut short. Get a complete copy";
   const std::string tooLong = "has a data array that is too long for its cells. Get an undamaged copy";
