@@ -1,28 +1,18 @@
+#include "engine/turtle/export/text/mtg_reader.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
-#include <limits>
-#include <map>
-#include <optional>
-#include <set>
-#include <string>
-#include <vector>
 
-#include "engine/core/number_text.h"
-#include "engine/turtle/export/text/mtg.h"
-
-namespace espalier::turtle {
+namespace espalier::turtle::mtg {
 
 namespace {
 
-constexpr std::size_t kNoVertex = std::numeric_limits<std::size_t>::max();
 constexpr std::uint64_t kLongestSeries = 1'000'000;
 /// As the parameters of a module.
 constexpr std::size_t kMostFeatures = 1'000;
 /// Entities that are looked at to find ends of axes, in all. A file of people needs a small multiple of its entities.
 constexpr std::uint64_t kMostLooks = 100'000'000;
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r')) {
@@ -59,63 +49,6 @@ std::vector<std::string_view> wordsOf(std::string_view line) {
   return words;
 }
 
-/// An entity and its relations.
-struct Vertex {
-  std::string entityClass;
-  int scale = 0;
-  char edge = '/';                  // to the parent: < or +; / for the first of its complex
-  std::size_t parent = kNoVertex;   // at the same scale
-  std::size_t complex = kNoVertex;  // the entity of the next coarser scale that it is a part of
-  std::size_t origin = kNoVertex;   // the entity of a finer scale that it grows on, where the file says
-  std::size_t firstPart = kNoVertex;
-  std::uint64_t index = 0;  // behind the class; 0: none
-  std::optional<std::string> text;
-  std::vector<double> numbers;  // of the numeric features in the order of the columns, kUnknown where there is none
-  std::vector<std::size_t> children;
-};
-
-class MtgReader {
- public:
-  explicit MtgReader(std::string_view text) : text_(text) {}
-  std::variant<MtgStrings, std::string> read();
-
- private:
-  enum class Section : unsigned char { None, Classes, Description, Features, Graph };
-
-  [[nodiscard]] std::string problem(const std::string& what) const { return std::to_string(line_) + ": " + what; }
-  std::string readLine(std::string_view line);
-  std::string readGraphLine(std::string_view line);
-  std::string readCode(std::string_view code, std::size_t column);
-  std::string readLabel(std::string_view& code, Vertex& vertex) const;
-  std::string join(Vertex& vertex, std::size_t base) const;
-  void joinPart(Vertex& vertex, std::size_t base) const;
-  std::string addSeries(const Vertex& last, std::size_t& base);
-  void add(Vertex vertex);
-  std::string readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex);
-  [[nodiscard]] std::size_t ancestorAt(std::size_t vertex, int scale) const;
-  [[nodiscard]] std::size_t endOf(std::size_t vertex, int scale) const;
-  void chooseParameters();
-  void appendModule(std::string& text, const Vertex& vertex) const;
-  [[nodiscard]] MtgStrings strings() const;
-  void appendTree(std::string& text, std::size_t root) const;
-
-  std::string_view text_;
-  std::size_t line_ = 0;
-  Section section_ = Section::None;
-  bool hasHeader_ = false;                 // of the section
-  bool hasText_ = false;                   // a feature is the text of a module
-  std::map<std::string, int> scales_;      // by class
-  std::map<std::string, bool> isNumeric_;  // by feature
-  std::vector<std::string> features_;      // by column from featureColumn_
-  std::size_t featureColumn_ = kNoVertex;
-  std::vector<Vertex> vertices_;
-  mutable std::uint64_t looks_ = 0;                             // at entities, to find the ends of axes
-  std::uint64_t seriesEntities_ = 0;                            // of all series so far
-  std::map<std::string, std::vector<std::size_t>> parameters_;  // by class: which numbers of a vertex
-  int coarsest_ = std::numeric_limits<int>::max();              // scale above 0 so far
-  std::vector<std::size_t> lastOfColumn_;                       // vertex of the last code in each column
-};
-
 std::string unescaped(std::string_view text) {
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -132,13 +65,14 @@ std::string unescaped(std::string_view text) {
   return result;
 }
 
-std::size_t MtgReader::ancestorAt(std::size_t vertex, int scale) const {
-  while (vertex != kNoVertex && vertices_[vertex].scale > scale) {
-    vertex = vertices_[vertex].complex;
-    ++looks_;
-  }
-  return vertex != kNoVertex && vertices_[vertex].scale == scale ? vertex : kNoVertex;
+// whether a cell has no number: it is empty, or has what R and Python write there
+bool isMissing(std::string_view cell) {
+  const auto isSame = [](char a, char b) { return (a | 0x20) == b; };
+  return cell.empty() || std::ranges::equal(cell, std::string_view("na"), isSame) ||
+         std::ranges::equal(cell, std::string_view("nan"), isSame);
 }
+
+}  // namespace
 
 // where the axis of a vertex's parts of a finer scale ends
 std::size_t MtgReader::endOf(std::size_t vertex, int scale) const {
@@ -320,13 +254,6 @@ std::string MtgReader::readCode(std::string_view code, std::size_t column) {
   return {};
 }
 
-// whether a cell has no number: it is empty, or has what R and Python write there
-bool isMissing(std::string_view cell) {
-  const auto isSame = [](char a, char b) { return (a | 0x20) == b; };
-  return cell.empty() || std::ranges::equal(cell, std::string_view("na"), isSame) ||
-         std::ranges::equal(cell, std::string_view("nan"), isSame);
-}
-
 std::string MtgReader::readFeatures(const std::vector<std::string_view>& columns, Vertex& vertex) {
   // a short line has few of them
   const std::size_t given = columns.size() > featureColumn_ ? columns.size() - featureColumn_ : 0;
@@ -434,113 +361,6 @@ std::string MtgReader::readLine(std::string_view line) {
   return {};
 }
 
-// which numbers are the parameters of each class of the finest scale
-void MtgReader::chooseParameters() {
-  std::map<std::string, std::vector<bool>> isGiven;  // by class and feature
-  for (const Vertex& vertex : vertices_) {
-    std::vector<bool>& given = isGiven[vertex.entityClass];
-    given.resize(features_.size());
-    for (std::size_t i = 0; i < vertex.numbers.size(); ++i) {
-      given[i] = given[i] || !std::isnan(vertex.numbers[i]);
-    }
-  }
-  for (const auto& [name, given] : isGiven) {
-    std::vector<std::size_t>& chosen = parameters_[name];
-    for (std::size_t i = 0; i < given.size(); ++i) {
-      if (given[i]) {
-        chosen.push_back(i);
-      }
-    }
-  }
-}
-
-void MtgReader::appendModule(std::string& text, const Vertex& vertex) const {
-  text += vertex.text.value_or(vertex.entityClass);
-  const std::vector<std::size_t>& chosen = parameters_.at(vertex.entityClass);
-  if (vertex.text || chosen.empty()) {
-    return;
-  }
-  char separator = '(';
-  for (const std::size_t i : chosen) {
-    text += separator;
-    separator = ',';
-    const double number = i < vertex.numbers.size() ? vertex.numbers[i] : kUnknown;
-    core::appendNumber(text, std::isnan(number) ? 0.0 : number, core::NumberStyle::Shortest);
-  }
-  text += ')';
-}
-
-// a branch that ends, or an entity with everything that grows on it
-void MtgReader::appendTree(std::string& text, std::size_t root) const {
-  constexpr std::size_t kClose = kNoVertex;
-  std::vector<std::size_t> waiting{root};
-  while (!waiting.empty()) {
-    const std::size_t at = waiting.back();
-    waiting.pop_back();
-    if (at == kClose) {
-      text += ']';
-      continue;
-    }
-    const Vertex& vertex = vertices_[at];
-    if (vertex.edge == '+') {
-      text += '[';
-    }
-    appendModule(text, vertex);
-    // branches first, then the rest of the axis: the stack takes them in the opposite order
-    std::vector<std::size_t> order;
-    for (const char edge : {'+', '<'}) {
-      for (const std::size_t child : vertex.children) {
-        if (vertices_[child].edge == edge) {
-          order.push_back(child);
-        }
-      }
-    }
-    for (std::size_t i = order.size(); i-- > 0;) {
-      // a branch is closed behind its whole subtree
-      if (vertices_[order[i]].edge == '+') {
-        waiting.push_back(kClose);
-      }
-      waiting.push_back(order[i]);
-    }
-  }
-}
-
-MtgStrings MtgReader::strings() const {
-  int finest = 0;
-  for (const Vertex& vertex : vertices_) {
-    finest = std::max(finest, vertex.scale);
-  }
-  MtgStrings result;
-  std::map<std::size_t, std::string> byPlant;
-  std::set<std::string> classes;
-  for (std::size_t i = 0; i < vertices_.size(); ++i) {
-    const Vertex& vertex = vertices_[i];
-    if (vertex.scale == finest && vertex.parent == kNoVertex) {
-      const std::size_t plant = coarsest_ >= finest ? 0 : ancestorAt(i, coarsest_);
-      appendTree(byPlant[plant], i);
-    }
-    if (vertex.scale == finest && !vertex.text) {
-      classes.insert(vertex.entityClass);
-      for (const std::size_t k : parameters_.at(vertex.entityClass)) {
-        result.missingNumbers += k >= vertex.numbers.size() || std::isnan(vertex.numbers[k]) ? 1 : 0;
-      }
-    }
-  }
-  for (auto& [plant, text] : byPlant) {
-    result.strings.push_back(std::move(text));
-  }
-  for (const std::string& name : classes) {
-    result.modules += (result.modules.empty() ? "" : ", ") + name;
-    char separator = '(';
-    for (const std::size_t i : parameters_.at(name)) {
-      result.modules += separator + features_[i];
-      separator = ',';
-    }
-    result.modules += separator == ',' ? ")" : "";
-  }
-  return result;
-}
-
 std::variant<MtgStrings, std::string> MtgReader::read() {
   while (!text_.empty()) {
     const std::size_t end = text_.find('\n');
@@ -562,10 +382,12 @@ std::variant<MtgStrings, std::string> MtgReader::read() {
   return strings();
 }
 
-}  // namespace
+}  // namespace espalier::turtle::mtg
+
+namespace espalier::turtle {
 
 std::variant<MtgStrings, std::string> readMtg(std::string_view text) {
-  return MtgReader(text).read();
+  return mtg::MtgReader(text).read();
 }
 
 }  // namespace espalier::turtle
