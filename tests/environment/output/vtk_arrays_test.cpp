@@ -112,8 +112,9 @@ TEST(VtkArrays, FilesOfEveryDataModeOfVtkAreRead) {
   }
 }
 
-TEST(VtkArrays, AnArrayOfTheVtkLibraryIsRead) {
-  // the corners of a square, as vtkXMLUnstructuredGridWriter wrote them: one block of 48 bytes, packed into 17
+TEST(VtkArrays, AnArrayThatBeginsAsOneOfTheVtkLibraryIsRead) {
+  // the corners of a square: one block of 48 bytes, packed into 17. The first 35 characters are from a file of the
+  // library's writer; zlib at its usual level gives the same, and the rest
   const auto bytes =
       unpackedBytes("\n  AQAAAACAAAAwAAAAEQAAAA==eJxjYEAGDfaobEw+ADwjA7w=\n", true, {.isCompressed = true}, 48);
   ASSERT_TRUE(bytes.has_value()) << bytes.error();
