@@ -1,6 +1,7 @@
 #include "server/server.h"
 
 #include <atomic>
+#include <cstdlib>
 #include <filesystem>
 #include <mutex>
 #include <thread>
@@ -69,6 +70,11 @@ class Server::Implementation {
       closer.join();
     }
     core_.log().info("stopped");
+    if (isStuck_ && handleSignals) {
+      // what is complete is saved; the destructors would wait for what does not end
+      core_.log().error("something computes that does not end; the process ends without it");
+      std::_Exit(EXIT_SUCCESS);
+    }
   }
 
   void stop() {
@@ -83,7 +89,7 @@ class Server::Implementation {
     core_.beginShutdown();
     // the network goes on meanwhile: running steps may need answers of connected environments
     closer_ = std::thread([this] {
-      core_.finishRunning(kPatienceForSteps);
+      isStuck_ = !core_.finishRunning(kPatienceForSteps);
       network_.close(kPatienceForConnections);
     });
   }
@@ -113,6 +119,7 @@ class Server::Implementation {
   std::mutex mutex_;
   bool isStopping_ = false;
   std::thread closer_;
+  std::atomic<bool> isStuck_{false};  // something computed on after stop()
 };
 
 Server::Server(ServerOptions options) : implementation_(std::make_unique<Implementation>(std::move(options))) {}

@@ -348,12 +348,13 @@ void ServerCore::waitForWorkers() {
   }
 }
 
-void ServerCore::finishRunning(std::chrono::milliseconds patience) {
-  if (!pool_.waitUntilIdle(patience)) {
+bool ServerCore::finishRunning(std::chrono::milliseconds patience) {
+  bool isIdle = pool_.waitUntilIdle(patience);
+  if (!isIdle) {
     for (const auto& runner : all()) {
       runner->close(kShuttingDown, true);
     }
-    (void)pool_.waitUntilIdle(patience);
+    isIdle = pool_.waitUntilIdle(patience);
   }
   for (const auto& runner : all()) {
     runner->endStreams("the server is shutting down");
@@ -361,6 +362,7 @@ void ServerCore::finishRunning(std::chrono::milliseconds patience) {
       log_.error(*problem, {.simulation = runner->id()});
     }
   }
+  return isIdle;
 }
 
 }  // namespace espalier::server

@@ -87,7 +87,8 @@ class ServerCore {
   void beginShutdown();
   [[nodiscard]] bool isShuttingDown() const { return isShuttingDown_; }
   /// Waits for running turns and gives up those that still run after `patience`. Then saves each unsaved simulation.
-  void finishRunning(std::chrono::milliseconds patience);
+  /// False: something still computes, and does not ask whether it is given up.
+  [[nodiscard]] bool finishRunning(std::chrono::milliseconds patience);
   /// Waits for everything that runs on the pool, however long it takes.
   void waitForWorkers();
 

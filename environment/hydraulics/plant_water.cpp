@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 
 namespace espalier::environment {
 
@@ -272,6 +273,7 @@ tl::expected<PlantWater::Result, double> PlantWater::solve(std::span<const Hydra
   int idle = 0;           // rounds since the error became much smaller
   double sum = HUGE_VAL;  // of what is wrong, with stomata
   for (result.rounds = 1; result.rounds <= kMostTreeRounds; ++result.rounds) {
+    core::pollWork();
     result.flow = tree_.solve(plants, segments_);
     if (!gasLeaves_.empty()) {
       sum = goTowards(result.flow.heads, sum, result.rounds == 1);

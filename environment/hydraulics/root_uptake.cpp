@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 #include "environment/base/number_text.h"
 #include "environment/hydraulics/rhizosphere.h"
 
@@ -120,6 +121,7 @@ std::optional<std::string> RootUptakeFromSoil::passTime(double days, const Limit
   const double end = soil_->day() + days;
   collars_ = collars;
   while (end - soil_->day() > 1e-12 * std::max(1.0, end)) {
+    core::pollWork();
     // the last two steps are of one length, so that none is very short
     const double left = end - soil_->day();
     const double longest = limits.longestStep;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 #include "engine/turtle/field.h"
 #include "engine/turtle/weather.h"
 #include "environment/base/length_unit.h"
@@ -454,8 +455,9 @@ class Xylem final : public turtle::EnvironmentProcess {
                  : std::nullopt;
     }
     const bool changes = keys_.changesInTime || (hasStomata() && world_.weather);
-    const double count = changes ? std::ceil(days_ / keys_.limits.longestStep - 1e-9) : 1.0;
+    const double count = changes ? std::max(1.0, std::ceil(days_ / keys_.limits.longestStep - 1e-9)) : 1.0;
     for (double part = 0.0; part < count; part += 1.0) {
+      core::pollWork();
       const double from = timeDays + part / count * days_;
       const auto result = water.solve(collars(from, from + days_ / count));
       if (!result) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 #include "engine/turtle/weather.h"
 #include "environment/base/air.h"
 #include "environment/base/length_unit.h"
@@ -161,7 +162,10 @@ double SoilBody::advance(double days, RichardsSolver::Uptake* uptake, double tol
   const double passed =
       water_->advance(std::max(until, 1e-12 * std::max(1.0, day_ + days)), borders, tolerances, uptake);
   if (passed > 0.0) {
-    solutes_->follow(passed, contentsBefore_);
+    areSolutesTooFast_ = !solutes_->follow(passed, contentsBefore_);
+    if (areSolutesTooFast_) {
+      return 0.0;
+    }
     day_ += passed;
   }
   return passed;
@@ -173,7 +177,15 @@ std::optional<turtle::EnvironmentError> SoilBody::passTime(double days) {
   }
   const double end = day_ + days;
   while (end - day_ > 1e-12 * std::max(1.0, end)) {
+    core::pollWork();
     if (!(advance(end - day_) > 0.0)) {
+      if (areSolutesTooFast_) {
+        return turtle::EnvironmentError{
+            "Environment 'soil-water' would have to follow its solutes in more than 10 million parts of a step: they "
+            "spread too fast for its cells. Give a smaller diffusivity or dispersivity, larger cells, or shorter "
+            "steps.",
+            false};
+      }
       return turtle::EnvironmentError{
           "Environment 'soil-water' finds no solution of the flow of water on day " + numberText(day_) +
               ": the residual is " + numberText(water_->lastResidual()) + " of the water content, the tolerance " +

@@ -71,7 +71,8 @@ class SoilBody {
   std::optional<SoluteTransport> solutes_;
   std::vector<double> contentsBefore_;  // of an internal step (cells)
   double day_ = 0.0;
-  double litres_ = 1000.0;  // in a volume of length unit cubed
+  bool areSolutesTooFast_ = false;  // for the last advance()
+  double litres_ = 1000.0;          // in a volume of length unit cubed
   std::string lengthUnit_ = "m";
   turtle::World world_;
   bool hasRain_ = false;        // the weather has rain

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 
 namespace espalier::environment {
 
@@ -97,7 +98,7 @@ double SoluteTransport::atFace(const Solute& solute, std::size_t cell, std::size
   return own + 0.5 * limiter * (1.0 - std::min(passing, 1.0)) * ahead;
 }
 
-void SoluteTransport::follow(double days, const std::vector<double>& before) {
+bool SoluteTransport::follow(double days, const std::vector<double>& before) {
   // no cell loses more than it has: the largest part of its water that leaves it, or spreads, in a step
   const std::size_t count = water_->cellCount();
   std::vector<double> after(count);
@@ -130,8 +131,13 @@ void SoluteTransport::follow(double days, const std::vector<double>& before) {
         fastest = std::max(fastest, leaving[cell] / (water_->cellVolume(cell) * (contents_[cell] + solute.sorption)));
       }
     }
+    constexpr double kMostParts = 1e7;
     const double steps = std::max(1.0, std::ceil(fastest * days / 0.9));
+    if (!(steps <= kMostParts)) {
+      return false;
+    }
     for (double step = 0.0; step < steps; step += 1.0) {
+      core::pollWork();
       // concentrations at the water content with which the part begins
       for (std::size_t cell = 0; cell < count; ++cell) {
         const double part = step / steps;
@@ -141,6 +147,7 @@ void SoluteTransport::follow(double days, const std::vector<double>& before) {
       move(number, days / steps);
     }
   }
+  return true;
 }
 
 void SoluteTransport::move(std::size_t number, double days) {

@@ -37,8 +37,9 @@ class SoluteTransport {
   /// Concentration in the water of a cell at a water content.
   [[nodiscard]] double concentration(std::size_t solute, std::size_t cell, double content) const;
 
-  /// Follows the solver's last advance(), which took `days` and before which the water contents were `before`.
-  void follow(double days, const std::vector<double>& before);
+  /// Follows the solver's last advance(), which took `days` and before which the water contents were `before`. False: a
+  /// solute spreads too fast for the cells.
+  [[nodiscard]] bool follow(double days, const std::vector<double>& before);
 
   /// The total amounts that have left the box through its borders since the beginning, and that have decayed.
   struct Balance {

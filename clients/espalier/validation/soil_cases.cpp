@@ -375,8 +375,7 @@ CaseResult solutes(const Data&) {
       while (until - day > 1e-12 && isDone) {
         const std::vector<double> before = water.state().contents;
         const double passed = water.advance(until - day, {.hasTopHead = true}, {1e-9, 1e-3});
-        isDone = passed > 0.0;
-        transport.follow(passed, before);
+        isDone = passed > 0.0 && transport.follow(passed, before);
         day += passed;
       }
       for (double x = kHeight / 2.0; x < 45.0; x += kHeight) {

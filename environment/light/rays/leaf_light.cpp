@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/core/work_meter.h"
 #include "engine/core/worker_team.h"
 
 namespace espalier::environment {
@@ -205,6 +206,7 @@ void LeafLight::inParallel(std::size_t count, const Work& work) const {
   const std::size_t threads = std::clamp<std::size_t>(count / kBlock, 1, std::max(options_.threads, 1U));
   core::WorkerTeam team(static_cast<unsigned>(threads));
   team.forEach((count + kBlock - 1) / kBlock, [&](std::size_t block) {
+    core::pollWork();
     for (std::size_t i = block * kBlock; i < std::min((block + 1) * kBlock, count); ++i) {
       work(i);
     }

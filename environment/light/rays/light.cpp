@@ -98,6 +98,9 @@ class Light final : public turtle::EnvironmentProcess {
     PlantSurfaces plants = queries.geometry
                                ? surfacesOf(*queries.geometry, static_cast<int>(configuration_.integer("segmentSides")))
                                : PlantSurfaces{};
+    if (auto problem = beyondNumbers(plants.surfaces)) {
+      return turtle::EnvironmentError{"Environment 'light' " + *problem, false};
+    }
     if (auto problem = beyondThePlot(plants.surfaces)) {
       return turtle::EnvironmentError{"Environment 'light' " + *problem, false};
     }
@@ -379,6 +382,19 @@ class Light final : public turtle::EnvironmentProcess {
   }
 
   /// The error of organs that are too large for a repeated plot: a triangle counts once in each plot that it reaches.
+  [[nodiscard]] static std::optional<std::string> beyondNumbers(const LightSurfaces& surfaces) {
+    constexpr double kFurthest = 1e17;
+    for (const Vec3& place : surfaces.vertices) {
+      for (const double coordinate : {place.x, place.y, place.z}) {
+        if (!(std::abs(coordinate) <= kFurthest)) {
+          return "follows rays among places up to 1e17 from the origin, and an organ reaches " +
+                 numberText(coordinate) + ". Bring the plants nearer, or use a larger unit of length.";
+        }
+      }
+    }
+    return std::nullopt;
+  }
+
   [[nodiscard]] std::optional<std::string> beyondThePlot(const LightSurfaces& surfaces) const {
     const auto& plot = configuration_.numbers("plot");
     for (std::size_t k = 0; k < plot.size(); k += 2) {

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 #include "environment/geometry/embree_memory.h"
 
 namespace espalier::environment {
@@ -42,6 +43,12 @@ struct HitContext {
   bool isFront = false;
 };
 static_assert(std::is_standard_layout_v<HitContext>);
+
+/// Whether Embree may be asked for a ray from there: it ends the program for places beyond 1.8·10¹⁸.
+bool isNear(const Vec3& origin) {
+  constexpr double kFar = 1e18;
+  return std::abs(origin.x) <= kFar && std::abs(origin.y) <= kFar && std::abs(origin.z) <= kFar;
+}
 
 /// Lets a ray begin at another place; it has met nothing so far.
 void start(RTCRay& ray, HitContext& context, const Vec3& origin, double from, double to) {
@@ -270,9 +277,13 @@ RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, 
   const double end = way[upright] == 0.0
                          ? 0.0
                          : ((way[upright] > 0.0 ? tree_->highest : tree_->lowest) - place[upright]) / way[upright];
+  constexpr int kMostPlots = 10'000'000;  // a ray that is nearly level passes more of a narrow plot than are computed
   double from = tree_->margin;
   double passed = 0.0;
-  while (passed <= end) {
+  for (int plots = 0; passed <= end && plots < kMostPlots; ++plots) {
+    if (plots % 1024 == 1023) {
+      core::pollWork();
+    }
     double nearest = HUGE_VAL;
     std::size_t crossed = 0;
     for (std::size_t k = 0; k < 2; ++k) {
@@ -303,7 +314,7 @@ RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, 
 }
 
 RayCaster::Hit RayCaster::firstHit(const Vec3& origin, const Vec3& direction) const {
-  if (tree_->scene == nullptr) {
+  if (tree_->scene == nullptr || !isNear(origin)) {
     return {};
   }
   RTCRayHit ray;
@@ -319,7 +330,7 @@ RayCaster::Hit RayCaster::firstHit(const Vec3& origin, const Vec3& direction) co
 }
 
 bool RayCaster::isFree(const Vec3& origin, const Vec3& direction) const {
-  if (tree_->scene == nullptr) {
+  if (tree_->scene == nullptr || !isNear(origin)) {
     return true;
   }
   RTCRay ray = rayAlong(direction);

@@ -113,6 +113,20 @@ TEST(Http, DownloadsThatNobodyReadsCountForTheAccount) {
   EXPECT_EQ(reader.line(), "HTTP/1.1 200 OK");
 }
 
+TEST(Http, ARequestWithABodyOrTooLongIsAnsweredAndEndsTheConnection) {
+  const RunningServer server(withHttp(10'000));
+  for (const std::string head : {"POST /health HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\nhello",
+                                 "GET /health HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"}) {
+    RawPeer peer(server.httpAddress());
+    peer.send(head);
+    EXPECT_EQ(peer.line(), "HTTP/1.1 413 Payload Too Large") << head;
+    EXPECT_TRUE(peer.isClosed());
+  }
+  RawPeer peer(server.httpAddress());
+  peer.send("GET /" + std::string(20'000, 'x') + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(peer.line(), "HTTP/1.1 431 Request Header Fields Too Large");
+}
+
 TEST(Http, APeerThatLeavesGivesItsDownloadUp) {
   const RunningServer server(withHttp(5'000));
   const auto controller = connectTo(server);

@@ -1,0 +1,62 @@
+// Models and configurations that could end the server, or compute without end in an environment.
+#include "tests/server/server_fixture.h"
+
+namespace espalier::server {
+namespace {
+
+TEST(RunawayEnvironments, LightAmongPlacesFarAwayIsAnError) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  for (const std::string power : {"18", "19", "39", "300"}) {
+    const std::string simulation = create(*client,
+                                          "Lsystem: 1\nderivation length: 1\nAxiom: LF(10^" + power +
+                                              ")?E(1)L\nhomomorphism\nL --> {.f(1)-(90).f(1).}\nendlsystem\n",
+                                          R"([{"type":"light"}])");
+    const auto error = errorOf(client->request("simulation.step", named(simulation)));
+    EXPECT_EQ(error.code, protocol::ErrorCode::EnvironmentFailed) << power;
+    EXPECT_NE(error.message.find("places up to 1e17"), std::string::npos) << power << error.message;
+  }
+}
+
+TEST(RunawayEnvironments, AnInternalStepLongerThanTheStepIsTheStep) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  const std::string simulation =
+      create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: F(1)?E(1,1,0,0,0,0,0)\nendlsystem\n",
+             R"([{"type":"xylem","radius":0.1,"longestStep":1e9,"transpiration":[[0,1],[0.5,0]]}])");
+  resultOf(client->request("simulation.step", named(simulation)));
+}
+
+TEST(RunawayEnvironments, SolutesThatSpreadTooFastEndWithASentenceOrWithCallSeconds) {
+  ServerOptions options;
+  options.limits.callSeconds = 1;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const auto errorOfDiffusivity = [&](const std::string& diffusivity) {
+    const std::string simulation =
+        create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: F(1)?E(1)\nF(x) --> F(x)\nendlsystem\n",
+               R"([{"type":"soil-water","solutes":[[0,0,)" + diffusivity + ",0,0,0]]}]");
+    return errorOf(client->request("simulation.step", named(simulation)));
+  };
+  const auto tooFast = errorOfDiffusivity("1e12");
+  EXPECT_EQ(tooFast.code, protocol::ErrorCode::EnvironmentFailed);
+  EXPECT_NE(tooFast.message.find("they spread too fast for its cells"), std::string::npos) << tooFast.message;
+  const auto tooLong = errorOfDiffusivity("1e5");
+  EXPECT_NE(tooLong.message.find("callSeconds"), std::string::npos) << tooLong.message;
+}
+
+TEST(RunawayEnvironments, ANarrowPlotEndsWithCallSeconds) {
+  ServerOptions options;
+  options.limits.callSeconds = 1;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string simulation = create(*client,
+                                        "Lsystem: 1\nderivation length: 1\nAxiom: f(1)L?E(1)\nhomomorphism\n"
+                                        "L --> {.f(1)-(90).f(1).}\nendlsystem\n",
+                                        R"([{"type":"light","plot":[0,1e15,0,1e9]}])");
+  const auto outcome = client->request("simulation.step", named(simulation));
+  EXPECT_TRUE(outcome || outcome.error().message.find("callSeconds") != std::string::npos) << outcome.error().message;
+}
+
+}  // namespace
+}  // namespace espalier::server
