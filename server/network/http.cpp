@@ -232,7 +232,18 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
     for (int count = 1; count <= kMostRequests; ++count) {
       http::request_parser<http::empty_body> parser;
       parser.header_limit(kRequestBytes);
-      const auto [error, bytes] = co_await http::async_read(stream_, buffer_, parser, kAsTuple);
+      const auto [error, bytes] = co_await http::async_read_header(stream_, buffer_, parser, kAsTuple);
+      const bool isTooLong = error == http::error::header_limit || error == http::error::buffer_overflow;
+      if (isTooLong || (!error && !parser.is_done())) {
+        // of a request that is too long, or has a body, the rest is not read
+        HttpPage page{isTooLong ? 431U : 413U, std::string(kText),
+                      isTooLong ? "A request may have " + std::to_string(kRequestBytes) + " bytes.\n"
+                                : "Only GET and HEAD are answered here, without a body.\n"};
+        (void)co_await write(responseOf(std::move(page), parser.get(), false));
+        error_code ignored;
+        lowest().socket().shutdown(asio::socket_base::shutdown_send, ignored);
+        co_return;
+      }
       if (error) {
         co_return;
       }

@@ -37,7 +37,8 @@ std::optional<std::string> SimulationTrace::read(const std::string& folder, cons
     return std::nullopt;
   }
   std::ifstream file(path, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(file), {});
+  std::string bytes(std::istreambuf_iterator<char>(file), {});
+  return file.is_open() && !file.bad() ? std::optional(std::move(bytes)) : std::nullopt;
 }
 
 std::variant<std::unique_ptr<SimulationTrace>, std::string> SimulationTrace::create(const std::string& folder,

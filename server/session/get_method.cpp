@@ -152,8 +152,8 @@ Problem writeTrace(SimulationRunner& runner, const protocol::GetParams& params, 
   const auto trace = runner.hosted().readTrace(params.trace, kMostTraceBytes);
   if (!trace) {
     return protocol::memberError("params.trace", "there is no trace " + std::to_string(params.trace) +
-                                                     " of this simulation, or it is too large for an answer; ask for "
-                                                     "its traces, or download it over HTTP");
+                                                     " of this simulation, it cannot be read now, or it is too large "
+                                                     "for an answer; ask for its traces, or download it over HTTP");
   }
   result.key("trace").integer(params.trace).key("content").text(protocol::toBase64(*trace));
   return std::nullopt;

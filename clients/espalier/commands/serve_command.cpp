@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
@@ -80,6 +81,13 @@ std::optional<std::string> addOwnToken(const ServeOptions& options, std::vector<
 /// The tokens of the files as they are now.
 tl::expected<std::vector<server::Token>, std::string> readTokens(const ServeOptions& options) {
   std::vector<server::Token> tokens;
+  for (const std::string& file : {options.configuration, options.tokenFile}) {
+    std::error_code unknown;
+    // a pipe would keep its reader waiting for ever
+    if (!file.empty() && !std::filesystem::is_regular_file(file, unknown)) {
+      return tl::unexpected("'" + file + "' is not there, or is no regular file");
+    }
+  }
   auto problem = options.configuration.empty() ? std::nullopt : readConfiguredTokens(options.configuration, tokens);
   problem = problem ? problem : addOwnToken(options, tokens);
   if (problem) {
