@@ -14,6 +14,7 @@
 
 #include "engine/core/elementary.h"
 #include "engine/core/random.h"
+#include "engine/core/work_meter.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
@@ -110,6 +111,9 @@ class Colonization final : public turtle::EnvironmentProcess {
     const auto tries = static_cast<std::uint64_t>(markerCount_) * kTriesPerMarker;
     const bool isEverywhere = envelope_.isEmpty();
     for (std::uint64_t i = 0; i < tries && markers.size() < givenMarkers_.size() + markerCount_; ++i) {
+      if (i % 4096 == 0) {
+        core::pollWork();
+      }
       const auto between = [&](double low, double high, std::uint32_t draw) {
         return low + (high - low) * random.uniform(core::DrawDomain::Environment, 0, i, draw);
       };

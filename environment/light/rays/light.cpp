@@ -95,38 +95,12 @@ class Light final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
-    PlantSurfaces plants = queries.geometry
-                               ? surfacesOf(*queries.geometry, static_cast<int>(configuration_.integer("segmentSides")))
-                               : PlantSurfaces{};
-    if (auto problem = beyondNumbers(plants.surfaces)) {
-      return turtle::EnvironmentError{"Environment 'light' " + *problem, false};
+    try {
+      return answerAll(queries, replies);
+    } catch (...) {
+      levels_.clear();  // the next step would take rays that were not traced for kept ones
+      throw;
     }
-    if (auto problem = beyondThePlot(plants.surfaces)) {
-      return turtle::EnvironmentError{"Environment 'light' " + *problem, false};
-    }
-    const std::size_t groundBegin = plants.surfaces.triangles.size();
-    addGround(plants.surfaces);
-    auto lit = shine(0, queries, plants, groundBegin);
-    // twice as many rays until that changes little
-    for (std::size_t level = 1; lit && error_ > 0.0 && (directionCount() << level) <= kMostDirections; ++level) {
-      auto finer = shine(level, queries, plants, groundBegin);
-      const bool isEnough = !finer || differenceOf(*lit, *finer, plants) <= error_;
-      lit = std::move(finer);
-      if (isEnough) {
-        break;
-      }
-    }
-    if (!lit) {
-      return turtle::EnvironmentError{"Environment 'light' " + lit.error(), false};
-    }
-    groundLight_.clear();
-    fluxes_ = std::move(lit->fluxes);
-    for (std::size_t band = 0; band < bands_.size(); ++band) {
-      keepGroundLight(plants.surfaces, lit->irradiances[band], band);
-      answerBand(queries, band, plants, *lit, replies);
-    }
-    countAnswers(queries, replies);
-    return std::nullopt;
   }
 
   /// The irradiance of the ground, when there is one, and the fluxes of the stand with a remainder.
@@ -164,6 +138,42 @@ class Light final : public turtle::EnvironmentProcess {
   }
 
  private:
+  [[nodiscard]] std::optional<turtle::EnvironmentError> answerAll(const turtle::QueryBatch& queries,
+                                                                  turtle::ReplyBatch& replies) {
+    PlantSurfaces plants = queries.geometry
+                               ? surfacesOf(*queries.geometry, static_cast<int>(configuration_.integer("segmentSides")))
+                               : PlantSurfaces{};
+    if (auto problem = beyondNumbers(plants.surfaces)) {
+      return turtle::EnvironmentError{"Environment 'light' " + *problem, false};
+    }
+    if (auto problem = beyondThePlot(plants.surfaces)) {
+      return turtle::EnvironmentError{"Environment 'light' " + *problem, false};
+    }
+    const std::size_t groundBegin = plants.surfaces.triangles.size();
+    addGround(plants.surfaces);
+    auto lit = shine(0, queries, plants, groundBegin);
+    // twice as many rays until that changes little
+    for (std::size_t level = 1; lit && error_ > 0.0 && (directionCount() << level) <= kMostDirections; ++level) {
+      auto finer = shine(level, queries, plants, groundBegin);
+      const bool isEnough = !finer || differenceOf(*lit, *finer, plants) <= error_;
+      lit = std::move(finer);
+      if (isEnough) {
+        break;
+      }
+    }
+    if (!lit) {
+      return turtle::EnvironmentError{"Environment 'light' " + lit.error(), false};
+    }
+    groundLight_.clear();
+    fluxes_ = std::move(lit->fluxes);
+    for (std::size_t band = 0; band < bands_.size(); ++band) {
+      keepGroundLight(plants.surfaces, lit->irradiances[band], band);
+      answerBand(queries, band, plants, *lit, replies);
+    }
+    countAnswers(queries, replies);
+    return std::nullopt;
+  }
+
   /// What becomes of the light that comes in over the plot, W/m² of it.
   struct Fluxes {
     double incoming = 0.0;

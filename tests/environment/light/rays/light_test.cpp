@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/work_meter.h"
 #include "engine/turtle/field.h"
 #include "engine/turtle/scene/geometry.h"
 #include "environment/light/sun_position.h"
@@ -67,6 +69,44 @@ class LeafScene {
  private:
   turtle::Geometry geometry_;
 };
+
+/// Stops the work when it has asked so often.
+class StopsAfter final : public core::WorkMeter {
+ public:
+  explicit StopsAfter(int asked) : left_(asked) {}
+  [[nodiscard]] bool take(std::int64_t) noexcept override { return true; }
+  [[nodiscard]] bool isStopped() const noexcept override { return left_-- <= 0; }
+
+ private:
+  mutable std::atomic<int> left_;
+};
+
+TEST(Light, AStepThatIsGivenUpLeavesNoHalfTracedRays) {
+  LeafScene scene;
+  LeafScene later;
+  for (int i = 0; i < 600; ++i) {
+    const core::Vec3 corner{static_cast<double>(i % 7), 0.1 * i, static_cast<double>(i % 5)};
+    scene.leaf(corner, 2);
+    later.leaf(i % 9 == 0 ? corner + core::Vec3{0.3, 0, 0} : corner, 2);
+  }
+  for (const std::string threads : {"1", "2"}) {
+    const std::string configuration = R"({"diffuseIrradiance":300,"directions":64,"threads":)" + threads + "}";
+    const auto expected = later.answers(*openProcess("light", configuration));
+    for (const int asked : {0, 1, 2}) {
+      const auto process = openProcess("light", configuration);
+      (void)scene.answers(*process);
+      StopsAfter meter(asked);
+      {
+        const core::WorkMeter::Scope scope(&meter);
+        const turtle::QueryBatch queries = later.queries();
+        turtle::ReplyBatch replies;
+        replies.prepare(queries);
+        EXPECT_THROW((void)process->step(queries, replies), core::WorkStopped) << threads << asked;
+      }
+      EXPECT_EQ(later.answers(*process), expected) << threads << asked;
+    }
+  }
+}
 
 TEST(Light, AHorizontalLeafGetsTheIrradianceOfTheOpenSky) {
   const std::string configuration = R"({"diffuseIrradiance":300,"reflectance":[0.1],"transmittance":[0.2]})";
