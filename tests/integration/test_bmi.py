@@ -1,11 +1,11 @@
-"""The Basic Model Interface: all functions, time in pieces, inputs; a BMI model as an environment."""
+"""The Basic Model Interface: all functions, time in pieces, inputs, models of several files; a BMI model as an environment."""
 
 import importlib.util
 import json
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Any, List
+from typing import Any, Callable, List, Tuple
 
 from support import program
 
@@ -143,15 +143,115 @@ class Model(unittest.TestCase):
                            (lambda: model.get_var_type("depth"), "no variable 'depth'"), (lambda: model.get_grid_x(0, None), "a scalar"),
                            (lambda: model.get_grid_size(1), "no grid 1"), (lambda: model.set_value("height", numpy.zeros(1)), "no input"),
                            (lambda: self.model(outputs=["width"]), "no output 'width'"), (lambda: self.model(colour=1), "'colour' is not known"),
-                           (lambda: self.model(parameters={}), "needs a value at the start"), (bmi.EspalierBmi().update, "")):
+                           (lambda: self.model(parameters={}), "needs a value at the start"), (bmi.EspalierBmi().update, "call initialize")):
             with self.subTest(said), self.assertRaisesRegex(bmi.BmiError, said):
                 call()
 
+    def refused(self, said: str, call: Callable[[], Any]) -> None:
+        with self.subTest(said), self.assertRaisesRegex(bmi.BmiError, said):
+            call()
+
+    def test_a_model_of_several_files(self) -> None:
+        (self.folder / "parts.h").write_text("#define GAIN 3\n", encoding="utf-8")
+        lines = MODEL.replace("#define GAIN 2", '#include "parts.h"')
+        (self.folder / "parts.l").write_text(lines, encoding="utf-8")
+        inner = self.folder / "inner"
+        inner.mkdir()
+        (inner / "parts.h").write_text("#define GAIN 4\n", encoding="utf-8")
+        (inner / "inner.l").write_text(lines, encoding="utf-8")
+        for name, height in (("parts.l", 1.0 + 3.0), ("inner", 1.0 + 4.0), ("inner/inner.l", 1.0 + 4.0)):
+            with self.subTest(name):
+                model = self.model(model=name, inputs=[], parameters={})
+                model.update_until(2)
+                self.assertEqual((self.values(model)[1], model.get_end_time()), (height, 6.0))
+
+    def test_the_configuration_is_not_the_environment_of_the_model(self) -> None:
+        # m.json beside m.l
+        self.assertEqual(self.values(self.model())[0], 1.0)
+        (self.folder / "m.l").write_text(MODEL.replace("A(l) -->", "A(l) -->("), encoding="utf-8")
+        self.refused("m.json: the model cannot start.*m.l:5", self.model)
+
+    def test_every_mistake_in_a_configuration_is_one_sentence(self) -> None:
+        (self.folder / "empty").mkdir()
+        for wrong, said in (({"model": "none.l"}, "there is no file or folder '.*none.l': 'model' names one beside"),
+                            ({"model": "empty"}, "cannot start.*no L-system file"), ({"model": 7}, "'model' is the name of a file or folder"),
+                            ({"stepDurationDays": "x"}, "'stepDurationDays' is a number above 0, not \"x\""),
+                            ({"stepDurationDays": 0}, "a number above 0, not 0"), ({"stepDurationDays": True}, "a number above 0, not true"),
+                            ({"inputs": "GAIN"}, "'inputs' is a list of names"), ({"outputs": [3]}, "'outputs' is a list of names"),
+                            ({"parameters": [2]}, "'parameters' is an object"), ({"parameters": {"GAIN": "x"}}, "the input 'GAIN' needs a value.*a number"),
+                            ({"parameters": {"GAIN": float("nan")}}, "the input 'GAIN' needs a value.*a number"),
+                            ({"seed": "x"}, "'seed' is a whole number"), ({"derivationLength": -1}, "cannot start.*derivationLength"),
+                            ({"environment": 5}, "'environment' is a name"), ({"environment": "none.json"}, "cannot start.*no environment file"),
+                            ({"environment": "nothing-like-it"}, "cannot start.*nothing-like-it"),
+                            ({"program": "no-such-program"}, "cannot start.*no program"), ({"gallery": "lilac"}, "either 'model'")):
+            self.refused(said, lambda wrong=wrong: self.model(**wrong))  # type: ignore[misc]
+        self.refused("cannot be read as JSON", lambda: bmi.EspalierBmi().initialize(str(self.folder)))
+
+    def test_a_second_initialize_ends_the_first_server(self) -> None:
+        model = self.model()
+        first = model._server
+        assert first is not None
+        model.update()
+        model.initialize(str(self.folder / "m.json"))
+        self.assertIsNotNone(first._server._process.poll())
+        self.assertEqual(model.get_current_time(), 0.0)
+        # one that fails leaves nothing of the one before
+        self.refused("cannot be read", lambda: model.initialize(str(self.folder / "none.json")))
+        self.refused("call initialize", model.get_current_time)
+
+    def test_without_a_model_nothing_is_answered(self) -> None:
+        import numpy
+
+        finalized = self.model()
+        finalized.finalize()
+        finalized.finalize()
+        one, index = numpy.empty(1), numpy.array([0])
+        for model in (bmi.EspalierBmi(), finalized):
+            calls: Tuple[Callable[[], Any], ...] = (
+                model.update, lambda: model.update_until(1.0), model.get_current_time, model.get_end_time, model.get_time_step,
+                model.get_input_item_count, model.get_output_item_count, model.get_input_var_names, model.get_output_var_names,
+                lambda: model.get_value("height", one), lambda: model.get_value_ptr("height"), lambda: model.set_value("GAIN", one),
+                lambda: model.get_value_at_indices("height", one, index), lambda: model.set_value_at_indices("GAIN", index, one),
+                lambda: model.get_var_grid("height"), lambda: model.get_var_type("height"), lambda: model.get_var_units("height"),
+                lambda: model.get_var_itemsize("height"), lambda: model.get_var_nbytes("height"), lambda: model.get_var_location("height"))
+            for number, call in enumerate(calls):
+                with self.subTest(number):
+                    self.refused("not initialized: call initialize", call)
+            self.assertEqual((model.get_component_name(), model.get_time_units()), ("Espalier", "d"))
+
+    def test_numbers_that_are_not_finite_are_refused(self) -> None:
+        import numpy
+
+        model = self.model()
+        model.update_until(2)
+        for when in (float("nan"), float("inf"), float("-inf")):
+            self.refused(f"the time {when} is not finite", lambda: model.update_until(when))
+        for value in (float("nan"), float("inf")):
+            self.refused(f"the input 'GAIN' cannot be {value}", lambda: model.set_value("GAIN", numpy.array([value])))
+            self.refused(f"the input 'GAIN' cannot be {value}", lambda: model.set_value_at_indices("GAIN", numpy.array([0]), numpy.array([value])))
+        self.refused("'GAIN' takes one number, not", lambda: model.set_value("GAIN", numpy.array([1.0, 2.0])))
+        self.refused("'GAIN' takes one number, not 'x'", lambda: model.set_value("GAIN", "x"))
+        self.refused("'GAIN' has the index 0", lambda: model.get_value_at_indices("GAIN", numpy.empty(1), numpy.array([3])))
+        self.assertEqual((float(model.get_value_ptr("GAIN")[0]), model.get_current_time()), (2.0, 2.0))
+        model.get_value_ptr("GAIN")[0] = float("nan")
+        self.refused("the input 'GAIN' cannot be nan", model.update)
+        model.set_value("GAIN", 2.0)
+        model.update()
+        self.assertEqual(self.values(model)[1], 7.0)
+
+    def test_the_time_that_was_reached_can_be_asked_for_again(self) -> None:
+        # 3 * 0.1 is a little more than 0.3
+        model = self.model(stepDurationDays=0.1)
+        model.update_until(0.3)
+        model.update_until(0.3)
+        self.assertEqual(self.values(model)[1], 7.0)
+
+    PLANT = "Lsystem: 1\nderivation length: 3\nAxiom: [@M(0,0,0)?E(4)][@M(0,1.4,0)?E(0)][@M(5,9,0)?E(0)]\nendlsystem\n"
+
     def test_a_bmi_model_answers_plants(self) -> None:
-        source = "Lsystem: 1\nderivation length: 3\nAxiom: [@M(0,0,0)?E(4)][@M(0,1.4,0)?E(0)][@M(5,9,0)?E(0)]\nendlsystem\n"
         with espalier.local(program()) as client:
             asked = client.attach(bmi.environment_of(Diffusion, "none", "amount", demand="demand", axes=("y",)))
-            plant = client.create(source, environment=[asked], save=False)
+            plant = client.create(self.PLANT, environment=[asked], save=False)
             plant.step(1)
             # (16 - 4)/2 at the ground, 8/2 at the height 1, 2/2 at the border
             self.assertEqual([record.parameters for record in plant.turtle() if record.symbol == "E"], [(6.0,), (4.0,), (1.0,)])
