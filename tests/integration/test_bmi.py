@@ -1,16 +1,22 @@
 """The Basic Model Interface: all functions, time in pieces, inputs, models of several files; a BMI model as an environment."""
 
+import gc
 import importlib.util
+import io
 import json
+import sys
 import tempfile
+import threading
 import unittest
+from contextlib import redirect_stderr
 from pathlib import Path
-from typing import Any, Callable, List, Tuple
+from typing import Any, Callable, ClassVar, List, Tuple
 
-from support import program
+from support import espalier as command, program
 
 import espalier
-from espalier import bmi
+from espalier import bmi, wire
+from espalier.hosting import Host
 
 # of the BMI 2.0 specification
 FUNCTIONS = """initialize update update_until finalize get_component_name get_input_item_count get_output_item_count get_input_var_names
@@ -25,14 +31,24 @@ MODEL = "#define GAIN 2\nLsystem: 1\nderivation length: 6\nAxiom: A(1)\nA(l) -->
 class Diffusion:
     """A BMI model in five lines of physics: a row of nodes along y that loses half of what it holds in each step."""
 
+    living: ClassVar[List["Diffusion"]] = []
+
     def initialize(self, config_file: str) -> None:
         import numpy
 
+        Diffusion.living.append(self)
         self.amount = numpy.array([16.0, 8.0, 4.0, 2.0])
         self.demand = numpy.zeros(4)
 
     def update(self) -> None:
         self.amount = (self.amount - self.demand) / 2
+
+    def finalize(self) -> None:
+        if self in Diffusion.living:
+            Diffusion.living.remove(self)
+
+    def get_var_units(self, name: str) -> str:
+        return {"amount": "mol m-3", "demand": "-"}[name]
 
     def get_var_grid(self, name: str) -> int:
         return 0
@@ -78,6 +94,8 @@ class Model(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
+        gc.collect()
+        Diffusion.living.clear()
         (self.folder / "m.l").write_text(MODEL, encoding="utf-8")
 
     def model(self, **more: Any) -> bmi.EspalierBmi:
@@ -247,6 +265,64 @@ class Model(unittest.TestCase):
         self.assertEqual(self.values(model)[1], 7.0)
 
     PLANT = "Lsystem: 1\nderivation length: 3\nAxiom: [@M(0,0,0)?E(4)][@M(0,1.4,0)?E(0)][@M(5,9,0)?E(0)]\nendlsystem\n"
+
+    def test_a_bmi_model_says_its_units_and_that_its_state_is_not_saved(self) -> None:
+        made = bmi.environment_of(Diffusion, "none", "amount", demand="demand", axes=("y",))
+        said = made.description()
+        self.assertEqual((said["inputs"], said["outputs"]), ([{"name": "demand", "unit": "1"}], [{"name": "amount", "unit": "mol m-3"}]))
+        self.assertEqual((said["stateful"], said["checkpoint"]), (True, False))
+        self.assertEqual(Diffusion.living, [])
+        self.refused("has 1 dimensions: name as many axes", lambda: bmi.environment_of(Diffusion, "none", "amount", axes=()))
+        self.assertEqual(Diffusion.living, [])
+
+    def test_a_bmi_model_is_finalized_with_its_simulation(self) -> None:
+        with espalier.local(program()) as client:
+            asked = client.attach(bmi.environment_of(Diffusion, "none", "amount", demand="demand", axes=("y",)))
+            plant = client.create(self.PLANT, environment=[asked], save=False)
+            plant.step(2)
+            first = plant.turtle()
+            # a simulation that starts over has a new model
+            plant.reset()
+            plant.step(2)
+            gc.collect()
+            self.assertEqual([record.parameters for record in plant.turtle()], [record.parameters for record in first])
+            self.assertEqual(len(Diffusion.living), 1)
+            plant.delete()
+        for thread in threading.enumerate():
+            if thread.name == "environment bmi":
+                thread.join(20)
+        gc.collect()
+        self.assertEqual(Diffusion.living, [])
+
+    def test_closing_finalizes_the_model_at_once(self) -> None:
+        host = Host(bmi.environment_of(Diffusion, "none", "amount", axes=("y",)))
+        self.assertEqual(host.handle(wire.request(1, "environment.open", {"simulation": "s"})), wire.result(1, {}))
+        self.assertEqual(len(Diffusion.living), 1)
+        self.assertEqual(host.handle(wire.request(2, "environment.close", {"simulation": "s"})), wire.result(2, {}))
+        self.assertEqual(Diffusion.living, [])
+
+    def test_a_bmi_model_does_not_go_back(self) -> None:
+        with espalier.local(program()) as client:
+            asked = client.attach(bmi.environment_of(Diffusion, "none", "amount", axes=("y",)))
+            plant = client.create(self.PLANT, environment=[asked], save=False)
+            plant.step(1)
+            saved = plant.save()
+            plant.step(2)
+            # the trace of the environment goes to standard error
+            with self.assertRaisesRegex(espalier.EspalierError, "its state is never saved: reset"), redirect_stderr(io.StringIO()):
+                plant.restore(saved)
+                plant.step(1)
+            plant.reset()
+            self.assertEqual(plant.step(1).step, 1)
+
+    def test_the_check_finds_only_the_state(self) -> None:
+        script = self.folder / "diffusion.py"
+        script.write_text(f"import sys\nsys.path.insert(0, {str(Path(__file__).parent)!r})\nfrom test_bmi import Diffusion\nfrom espalier.bmi import "
+                          "environment_of\nenvironment_of(Diffusion, 'none', 'amount', demand='demand', axes=('y',)).serve()\n", encoding="utf-8")
+        said = command("environment", "check", f"stdio:'{sys.executable}' '{script}'", status=1).stdout.splitlines()
+        self.assertEqual([line for line in said if line.startswith("wrong")],
+                         ["wrong state: it has state and does not save it; answer environment.save and restore, and say checkpoint:true"])
+        self.assertIn("ok    units: output 'amount' in mol m-3", said)
 
     def test_a_bmi_model_answers_plants(self) -> None:
         with espalier.local(program()) as client:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import json
 import math
+import weakref
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar
 
@@ -302,7 +303,7 @@ class EspalierBmi:
 class _Raster:
     """The uniform grid of a BMI variable. BMI lists axes from the slowest to the fastest: z, y, x, or y, x."""
 
-    def __init__(self, model: Any, name: str) -> None:
+    def __init__(self, model: Any, name: str, axes: Sequence[str]) -> None:
         import numpy
 
         grid = model.get_var_grid(name)
@@ -311,6 +312,8 @@ class _Raster:
         rank = model.get_grid_rank(grid)
         if rank not in (1, 2, 3):
             raise BmiError(f"'{name}' has {rank} dimensions: an environment needs one to three.")
+        if len(axes) < rank:
+            raise BmiError(f"'{name}' has {rank} dimensions: name as many axes.")
         self.shape: List[int] = [int(number) for number in model.get_grid_shape(grid, numpy.empty(rank, dtype=int))]
         self.spacing = [float(number) for number in model.get_grid_spacing(grid, numpy.empty(rank))]
         self.origin = [float(number) for number in model.get_grid_origin(grid, numpy.empty(rank))]
@@ -323,41 +326,64 @@ class _Raster:
         return found
 
 
+def _described(model: Any, name: str) -> Variable:
+    try:
+        unit = str(model.get_var_units(name)).strip()
+    except (AttributeError, NotImplementedError):
+        unit = ""  # a model without this function
+    return Variable(name.replace(" ", "_"), unit if unit not in ("", "-") else "1")
+
+
 def environment_of(model: Callable[[], Any], config_file: str, output: str, demand: Optional[str] = None,
                    axes: Sequence[str] = ("x", "y", "z")) -> Type[Environment]:
     """An Environment that a BMI model answers. In each step the model gets the sum of the queries' first parameters of each node in
     its variable `demand`, makes one update, and a query is answered the value of `output` at its place. `axes` are those of the
     world that the axes of the grid follow, from the fastest on: ("x", "y") for a map seen from the side. Each simulation has
-    a model of its own.
+    a model of its own, which is finalized with it. One more model is initialized and finalized at once: it says the units.
+    BMI has no way to save a state, and the description says so: a lost model makes the simulation start over.
 
         environment_of(Heat, "heat.yaml", "plate_surface__temperature", axes=("x", "z")).serve()
     """
     if not set(axes) <= {"x", "y", "z"}:
         raise BmiError(f"the axes {list(axes)} are not of x, y and z.")
 
-    class BmiEnvironment(Environment):
+    first = model()
+    first.initialize(config_file)
+    try:
+        _Raster(first, output, axes)
+        described = [_described(first, name) for name in (output, demand) if name is not None]
+    finally:
+        first.finalize()
+
+    class Bmi(Environment):
         needs = ("position", "parameters")
-        outputs = (Variable(output.replace(" ", "_")),)
+        inputs = described[1:]
+        outputs = described[:1]
         is_stateful = True
 
         @classmethod
-        def name(cls) -> str:
-            return "bmi"
+        def description(cls) -> Dict[str, Any]:
+            return {**super().description(), "checkpoint": False}
 
         def opened(self) -> None:
             self.model = model()
             self.model.initialize(config_file)
-            self.raster = _Raster(self.model, output)
-            if len(axes) < len(self.raster.shape):
-                raise BmiError(f"'{output}' has {len(self.raster.shape)} dimensions: name as many axes.")
+            # at the latest when this object goes: a simulation that starts over has a new one, and a lost connection closes none
+            self.end = weakref.finalize(self, self.model.finalize)
+            self.raster = _Raster(self.model, output, axes)
+            self.last_step = -1
 
-        def place(self, query: Query) -> Tuple[float, ...]:
-            return tuple(query.position["xyz".index(axis)] for axis in axes)
+        def closed(self) -> None:
+            self.end()
 
         def step(self, queries: Sequence[Query]) -> Sequence[Answer]:
             import numpy
 
-            places = [self.raster.index(self.place(query)) for query in queries]
+            # the same step may be asked again
+            if self.completed_steps - self.last_step not in (0, 1):
+                raise BmiError(f"the BMI model is not at step {self.completed_steps}, and its state is never saved: reset the simulation")
+            self.last_step = self.completed_steps
+            places = [self.raster.index([query.position["xyz".index(axis)] for axis in axes]) for query in queries]
             if demand is not None:
                 asked = numpy.zeros(self.model.get_var_nbytes(demand) // self.model.get_var_itemsize(demand))
                 for place, query in zip(places, queries):
@@ -371,4 +397,4 @@ def environment_of(model: Callable[[], Any], config_file: str, output: str, dema
         def save(self) -> Mapping[str, Any]:
             raise BmiError("a BMI model has no way to save its state: run it in one piece.")
 
-    return BmiEnvironment
+    return Bmi
