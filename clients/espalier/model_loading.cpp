@@ -320,7 +320,7 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
       .add_option("--environment", options.environment,
                   "The environment that answers communication modules ?E: name of a built-in process,\n"
                   "environment file (.e), configuration (.json), plug-in (.so), tcp://HOST:PORT, unix:PATH\n"
-                  "or stdio:COMMAND (default: the .e file beside the model)")
+                  "or stdio:COMMAND (default: beside the model the .e file, else the .json file of its name)")
       ->type_name("ENVIRONMENT");
   command
       .add_option("--compat", options.compatibility,
