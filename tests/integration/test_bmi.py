@@ -1,9 +1,11 @@
 """The Basic Model Interface: all functions, time in pieces, inputs, models of several files; a BMI model as an environment."""
 
 import gc
+import importlib
 import importlib.util
 import io
 import json
+import subprocess
 import sys
 import tempfile
 import threading
@@ -12,7 +14,7 @@ from contextlib import redirect_stderr
 from pathlib import Path
 from typing import Any, Callable, ClassVar, List, Tuple
 
-from support import espalier as command, program
+from support import REPOSITORY, espalier as command, program, variables
 
 import espalier
 from espalier import bmi, wire
@@ -188,6 +190,21 @@ class Model(unittest.TestCase):
         self.assertEqual(self.values(self.model())[0], 1.0)
         (self.folder / "m.l").write_text(MODEL.replace("A(l) -->", "A(l) -->("), encoding="utf-8")
         self.refused("m.json: the model cannot start.*m.l:5", self.model)
+
+    def test_the_program_of_the_page_runs(self) -> None:
+        sys.path.insert(0, str(REPOSITORY / "docs"))
+        self.addCleanup(sys.path.pop, 0)
+        blocks = importlib.import_module("page_blocks").blocks((REPOSITORY / "docs/howto/basic-model-interface.md").read_text(encoding="utf-8"))
+        for block in blocks:
+            if block.remark == "file":
+                (self.folder / block.value).write_text(block.text, encoding="utf-8")
+        script = next(block.text for block in blocks if block.language == "python")
+        done = subprocess.run([sys.executable, "-c", script], cwd=self.folder, env=variables(ESPALIER_PROGRAM=program()), capture_output=True,
+                              text=True, check=True, timeout=60)
+        # three segments of 0.5 above each other, and one of 0.25
+        self.assertEqual(done.stdout, "4.0 1.75\n")
+        # a configuration of its own name is no environment
+        command("derive", str(self.folder / "tree.l"), "--quiet")
 
     def test_every_mistake_in_a_configuration_is_one_sentence(self) -> None:
         (self.folder / "empty").mkdir()
