@@ -339,8 +339,8 @@ def environment_of(model: Callable[[], Any], config_file: str, output: str, dema
     """An Environment that a BMI model answers. In each step the model gets the sum of the queries' first parameters of each node in
     its variable `demand`, makes one update, and a query is answered the value of `output` at its place. `axes` are those of the
     world that the axes of the grid follow, from the fastest on: ("x", "y") for a map seen from the side. Each simulation has
-    a model of its own, which is finalized with it. One more model is initialized and finalized at once: it says the units.
-    BMI has no way to save a state, and the description says so: a lost model makes the simulation start over.
+    a model of its own, finalized when it starts over or is closed, or the connection ends. One more model is initialized and
+    finalized at once: it says the units. BMI has no way to save a state: after a lost model the simulation must be reset.
 
         environment_of(Heat, "heat.yaml", "plate_surface__temperature", axes=("x", "z")).serve()
     """
