@@ -491,6 +491,20 @@ std::optional<protocol::Error> HostedSimulation::setTraced(bool isTraced) {
   return traceProblem().empty() ? std::nullopt : std::optional(storageError(traceProblem()));
 }
 
+void HostedSimulation::closeEnvironments() {
+  protocol::JsonWriter params;
+  params.beginObject().key("simulation").text(record_.id).endObject();
+  const protocol::Body body(params.take());
+  for (const auto& link : links_) {
+    if (link->generation() == 0) {
+      continue;
+    }
+    // whatever it answers: it may not know the method
+    const auto tell = [&] { (void)link->call("environment.close", body, std::chrono::seconds(1)); };
+    services_.runWaiting ? services_.runWaiting(tell) : tell();
+  }
+}
+
 void HostedSimulation::setCancelled(bool isCancelled) {
   const std::lock_guard lock(cancelMutex_);
   simulation_->setCancelled(isCancelled);

@@ -103,6 +103,9 @@ class HostedSimulation {
     return SimulationTrace::read(services_.traceFolder, record_.id, number, bound);
   }
 
+  /// Tells the environments in other processes that the simulation is no more. A silent one is waited for a second.
+  void closeEnvironments();
+
   /// From any thread. True: the running step is given up, also while it waits for an environment. False: steps are
   /// possible again.
   void setCancelled(bool isCancelled);

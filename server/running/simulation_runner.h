@@ -103,6 +103,8 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
 
   // inside Command::advance only
   [[nodiscard]] HostedSimulation& hosted() { return *hosted_; }
+  /// It is on disk only: hosted() is not there, in a command that does not need it.
+  [[nodiscard]] bool isOnDiskOnly() const { return hosted_ == nullptr; }
   /// Another simulation takes the place of this one. The streams go on with it.
   void replace(std::unique_ptr<HostedSimulation> other);
   [[nodiscard]] std::uint32_t callSeconds() const { return callSeconds_; }

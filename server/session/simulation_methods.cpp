@@ -119,6 +119,9 @@ void simulationDelete(const Request& request, protocol::SimulationParams params)
       self.reopen(before);
     } else {
       self.endStreams("the simulation was deleted");
+      if (!self.isOnDiskOnly()) {
+        self.hosted().closeEnvironments();
+      }
       SimulationTrace::removeAll(core.environmentServices().traceFolder, self.id());
       core.remove(self.id());
     }

@@ -130,5 +130,22 @@ TEST_F(Deletion, GoesOnWithoutTheCaller) {
   EXPECT_EQ(saved(), 0U);
 }
 
+TEST(DeletionOfEnvironments, AnEnvironmentIsToldThatItsSimulationIsNoMore) {
+  const RunningServer server;
+  const auto client = connectTo(server);
+  std::promise<std::string> closed;
+  const OfferingEnvironment environment(
+      server, "told", [&](client::Client& self, const client::IncomingRequest& request) {
+        if (request.method == "environment.close") {
+          closed.set_value(member(request.paramsJson, "simulation"));
+        }
+        (void)self.respond(request.id, request.method == "environment.step" ? R"({"replies":[]})" : "{}");
+      });
+  const std::string simulation = create(*client, kGrowth, R"([{"type":"offered","name":"told"}])");
+  resultOf(client->request("simulation.step", named(simulation)));
+  EXPECT_EQ(resultOf(client->request("simulation.delete", named(simulation))), "{}");
+  EXPECT_EQ(closed.get_future().get(), simulation);
+}
+
 }  // namespace
 }  // namespace espalier::server
