@@ -10,17 +10,17 @@
 #endif
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <memory>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "engine/core/optional_library.h"
 #include "engine/files/length_unit.h"
+#include "server/remote/terrain/height_band.h"
+#include "server/remote/terrain/memory_file.h"
 
 namespace espalier::server {
 
@@ -33,7 +33,10 @@ constexpr std::uint64_t kMostTileBytes = std::uint64_t{64} << 20;
 constexpr tmsize_t kMostBytes = tmsize_t{256} << 20;  // that libtiff takes at once
 constexpr std::uint32_t kMetadataTag = 42112;         // of GDAL
 constexpr std::uint32_t kNoDataTag = 42113;           // of GDAL
-constexpr const char* kAsMetres = ". Convert it to a projection in metres, as with gdalwarp";
+constexpr int kMostImages = 100;                      // of one file: heights, overviews, masks
+constexpr const char* kAsMetres =
+    ". Convert it to a projection in metres: gdalwarp -t_srs EPSG:NUMBER -dstnodata -9999";
+constexpr const char* kDamaged = "is damaged or cut short: its heights cannot be decoded. Get a complete copy";
 
 /// The functions of libgeotiff and libtiff that are used.
 struct Functions {
@@ -52,6 +55,11 @@ struct Functions {
   decltype(&::TIFFReadScanline) readLine = nullptr;
   decltype(&::TIFFTileSize64) tileBytes = nullptr;
   decltype(&::TIFFReadTile) readTile = nullptr;
+  decltype(&::TIFFComputeStrip) stripOf = nullptr;
+  decltype(&::TIFFComputeTile) tileOf = nullptr;
+  decltype(&::TIFFGetStrileByteCount) writtenBytes = nullptr;
+  decltype(&::TIFFLastDirectory) isLastImage = nullptr;
+  decltype(&::TIFFReadDirectory) nextImage = nullptr;
   decltype(&::GTIFNewEx) makeKeys = nullptr;
   decltype(&::GTIFFree) freeKeys = nullptr;
   decltype(&::GTIFKeyGetSHORT) keyOf = nullptr;
@@ -76,6 +84,11 @@ std::optional<Functions> load() {
   library.find(functions.readLine, "TIFFReadScanline");
   library.find(functions.tileBytes, "TIFFTileSize64");
   library.find(functions.readTile, "TIFFReadTile");
+  library.find(functions.stripOf, "TIFFComputeStrip");
+  library.find(functions.tileOf, "TIFFComputeTile");
+  library.find(functions.writtenBytes, "TIFFGetStrileByteCount");
+  library.find(functions.isLastImage, "TIFFLastDirectory");
+  library.find(functions.nextImage, "TIFFReadDirectory");
   library.find(functions.makeKeys, "GTIFNewEx");
   library.find(functions.freeKeys, "GTIFFree");
   library.find(functions.keyOf, "GTIFKeyGetSHORT");
@@ -85,32 +98,6 @@ std::optional<Functions> load() {
   functions.initialize();
   return functions;
 }
-
-/// A file in memory as libtiff reads it.
-struct Memory {
-  std::string_view bytes;
-  std::uint64_t at = 0;
-
-  static tmsize_t read(thandle_t self, void* target, tmsize_t count) {
-    auto* const memory = static_cast<Memory*>(self);
-    const std::uint64_t left = memory->at < memory->bytes.size() ? memory->bytes.size() - memory->at : 0;
-    const auto taken = static_cast<std::size_t>(
-        std::min<std::uint64_t>(left, static_cast<std::uint64_t>(std::max<tmsize_t>(count, 0))));
-    if (taken > 0) {
-      std::memcpy(target, memory->bytes.data() + memory->at, taken);
-    }
-    memory->at += taken;
-    return static_cast<tmsize_t>(taken);
-  }
-  static tmsize_t write(thandle_t, void*, tmsize_t) { return 0; }
-  static toff_t seek(thandle_t self, toff_t offset, int from) {
-    auto* const memory = static_cast<Memory*>(self);
-    memory->at = offset + (from == SEEK_CUR ? memory->at : from == SEEK_END ? memory->bytes.size() : 0);
-    return memory->at;
-  }
-  static int close(thandle_t) { return 0; }
-  static toff_t size(thandle_t self) { return static_cast<Memory*>(self)->bytes.size(); }
-};
 
 /// Messages of the libraries are dropped: the caller gets one sentence.
 int dropMessage(TIFF*, void*, const char*, const char*, va_list) {
@@ -126,8 +113,8 @@ class GeoTiff {
     call_.setMostBytes(options, kMostBytes);
     call_.setErrorHandler(options, dropMessage, nullptr);
     call_.setWarningHandler(options, dropMessage, nullptr);
-    file_ = call_.open("terrain", "rm", &memory_, Memory::read, Memory::write, Memory::seek, Memory::close,
-                       Memory::size, nullptr, nullptr, options);
+    file_ = call_.open("terrain", "rm", &memory_, MemoryFile::read, MemoryFile::write, MemoryFile::seek,
+                       MemoryFile::close, MemoryFile::size, nullptr, nullptr, options);
     call_.freeOptions(options);
   }
   ~GeoTiff() {
@@ -142,11 +129,14 @@ class GeoTiff {
     if (file_ == nullptr) {
       return tl::unexpected(std::string("is no TIFF file, or is damaged. Give a GeoTIFF of heights"));
     }
-    for (const auto& step :
-         {&GeoTiff::readKind, &GeoTiff::readKeys, &GeoTiff::readPlace, &GeoTiff::readHeights, &GeoTiff::checkHeights}) {
+    for (const auto& step : {&GeoTiff::readKind, &GeoTiff::readKeys, &GeoTiff::readPlace, &GeoTiff::readMetadata,
+                             &GeoTiff::readHeights, &GeoTiff::readMasks}) {
       if (auto problem = (this->*step)()) {
         return tl::unexpected(std::move(*problem));
       }
+    }
+    if (auto problem = band_.finish(terrain_.heights)) {
+      return tl::unexpected(std::move(*problem));
     }
     return std::move(terrain_);
   }
@@ -158,31 +148,37 @@ class GeoTiff {
     std::uint32_t columns = 0;
     std::uint32_t rows = 0;
     std::uint16_t bands = 1;
+    std::uint16_t bits = 1;
+    std::uint16_t format = SAMPLEFORMAT_UINT;
     call_.get(file_, TIFFTAG_IMAGEWIDTH, &columns);
     call_.get(file_, TIFFTAG_IMAGELENGTH, &rows);
     call_.getOrDefault(file_, TIFFTAG_SAMPLESPERPIXEL, &bands);
-    call_.getOrDefault(file_, TIFFTAG_BITSPERSAMPLE, &bits_);
-    call_.getOrDefault(file_, TIFFTAG_SAMPLEFORMAT, &sampleFormat_);
+    call_.getOrDefault(file_, TIFFTAG_BITSPERSAMPLE, &bits);
+    call_.getOrDefault(file_, TIFFTAG_SAMPLEFORMAT, &format);
     if (columns < 2 || rows < 2) {
       return "has " + std::to_string(columns) + " x " + std::to_string(rows) +
              " heights. A ground needs at least 2 x 2";
     }
     if (std::uint64_t{columns} * rows > kMostHeights) {
       return "has " + std::to_string(columns) + " x " + std::to_string(rows) + " heights, more than " +
-             std::to_string(kMostHeights) + ". Make it coarser, as with gdal_translate -outsize, or cut out a part";
+             std::to_string(kMostHeights) +
+             ". Make it coarser, as with gdal_translate -outsize 50% 50%, or cut out a part";
     }
     if (bands != 1) {
       return "has " + std::to_string(bands) +
              " bands. Give a file with one band of heights, as with gdal_translate -b 1";
     }
-    const bool isReal = sampleFormat_ == SAMPLEFORMAT_IEEEFP && (bits_ == 32 || bits_ == 64);
-    const bool isWhole = (sampleFormat_ == SAMPLEFORMAT_INT || sampleFormat_ == SAMPLEFORMAT_UINT) &&
-                         (bits_ == 8 || bits_ == 16 || bits_ == 32);
+    const bool isReal = format == SAMPLEFORMAT_IEEEFP && (bits == 32 || bits == 64);
+    const bool isWhole =
+        (format == SAMPLEFORMAT_INT || format == SAMPLEFORMAT_UINT) && (bits == 8 || bits == 16 || bits == 32);
     if (!isReal && !isWhole) {
       return std::string(
           "has numbers of a kind that is not read. Write whole numbers of 8, 16 or 32 bits or real ones "
           "of 32 or 64, as with gdal_translate -ot Float32");
     }
+    band_.bits = bits;
+    band_.isReal = isReal;
+    band_.isSigned = format == SAMPLEFORMAT_INT;
     terrain_.columns = columns;
     terrain_.rows = rows;
     return std::nullopt;
@@ -214,10 +210,11 @@ class GeoTiff {
     if (model == ModelTypeGeographic) {
       return std::string("has coordinates in degrees") + kAsMetres;
     }
-    for (const auto& unit : {across, upward}) {
-      if (unit && *unit != files::kMetre) {
-        return files::notInMetres(*unit) + kAsMetres;
-      }
+    if (across && *across != files::kMetre) {
+      return files::notInMetres(*across) + kAsMetres;
+    }
+    if (upward && *upward != files::kMetre) {
+      return files::notInMetres(*upward) + kAsMetres + ", then gdal_edit.py -units m";
     }
     terrain_.lengthUnit = across ? "m" : "";
     return std::nullopt;
@@ -237,7 +234,7 @@ class GeoTiff {
       terrain_.north = numbers[4] - (half - numbers[1]) * terrain_.southStep;
     } else if (call_.get(file_, TIFFTAG_GEOTRANSMATRIX, &count, &numbers) == 1 && count >= 8) {
       if (numbers[1] != 0.0 || numbers[4] != 0.0) {
-        return std::string("is turned. Turn its rows to the north, as with gdalwarp");
+        return std::string("is turned. Turn its rows to the north: gdalwarp -dstnodata -9999");
       }
       terrain_.eastStep = numbers[0];
       terrain_.southStep = -numbers[5];
@@ -251,63 +248,80 @@ class GeoTiff {
         std::max({terrain_.eastStep, terrain_.southStep, std::abs(terrain_.west), std::abs(terrain_.north)}) < 1e100;
     return isRight ? std::nullopt
                    : Problem(
-                         "has cells that do not go from the north to the south and from the west to the east. Turn it, "
-                         "as with gdalwarp");
+                         "has cells that do not go from the north to the south and from the west to the east. Turn it: "
+                         "gdalwarp -dstnodata -9999");
   }
 
-  /// The number at a place of decoded bytes.
-  [[nodiscard]] double numberAt(const char* at) const {
-    const auto as = [at](auto value) {
-      std::memcpy(&value, at, sizeof(value));
-      return static_cast<double>(value);
-    };
-    if (sampleFormat_ == SAMPLEFORMAT_IEEEFP) {
-      return bits_ == 64 ? as(double{}) : as(float{});
-    }
-    if (sampleFormat_ == SAMPLEFORMAT_INT) {
-      return bits_ == 8 ? as(std::int8_t{}) : bits_ == 16 ? as(std::int16_t{}) : as(std::int32_t{});
-    }
-    return bits_ == 8 ? as(std::uint8_t{}) : bits_ == 16 ? as(std::uint16_t{}) : as(std::uint32_t{});
+  /// The text of a tag of GDAL; empty: there is none.
+  std::string_view textOf(std::uint32_t tag) {
+    std::uint32_t count = 0;
+    const char* text = nullptr;
+    return call_.get(file_, tag, &count, &text) == 1 && text != nullptr ? std::string_view(text, ::strnlen(text, count))
+                                                                        : std::string_view();
   }
 
-  Problem readHeights() {
-    const std::string damaged = "is damaged or cut short: its heights cannot be decoded. Get a complete copy";
-    const std::size_t width = bits_ / 8;
-    terrain_.heights.resize(terrain_.rows * terrain_.columns);
-    if (call_.isTiled(file_) == 0) {
-      if (call_.lineBytes(file_) != terrain_.columns * width) {
-        return damaged;
-      }
-      std::vector<char> line(terrain_.columns * width);
-      for (std::size_t row = 0; row < terrain_.rows; ++row) {
-        if (call_.readLine(file_, line.data(), static_cast<std::uint32_t>(row), 0) != 1) {
-          return damaged;
-        }
-        for (std::size_t column = 0; column < terrain_.columns; ++column) {
-          terrain_.heights[row * terrain_.columns + column] = numberAt(line.data() + column * width);
-        }
-      }
-      return std::nullopt;
+  Problem readMetadata() {
+    band_.takeNoData(textOf(kNoDataTag));
+    return band_.takeMetadata(textOf(kMetadataTag));
+  }
+
+  Problem readHeights() { return readNumbers(band_, terrain_.heights); }
+
+  /// Reads the numbers of the current image, which has the size of the terrain. Those of a strip or tile that was
+  /// never written are NaN.
+  Problem readNumbers(const HeightBand& band, std::vector<double>& numbers) {
+    numbers.assign(terrain_.rows * terrain_.columns, std::numeric_limits<double>::quiet_NaN());
+    return call_.isTiled(file_) == 0 ? readLines(band, numbers) : readTiles(band, numbers);
+  }
+
+  Problem readLines(const HeightBand& band, std::vector<double>& numbers) {
+    if (call_.lineBytes(file_) != band.bytesOf(terrain_.columns)) {
+      return kDamaged;
     }
+    std::vector<char> line(band.bytesOf(terrain_.columns));
+    for (std::size_t row = 0; row < terrain_.rows; ++row) {
+      const auto y = static_cast<std::uint32_t>(row);
+      if (call_.writtenBytes(file_, call_.stripOf(file_, y, 0)) == 0) {
+        continue;
+      }
+      if (call_.readLine(file_, line.data(), y, 0) != 1) {
+        return kDamaged;
+      }
+      for (std::size_t column = 0; column < terrain_.columns; ++column) {
+        numbers[row * terrain_.columns + column] = band.numberAt(line.data(), column);
+      }
+    }
+    return std::nullopt;
+  }
+
+  Problem readTiles(const HeightBand& band, std::vector<double>& numbers) {
     std::uint32_t across = 0;
     std::uint32_t down = 0;
     call_.get(file_, TIFFTAG_TILEWIDTH, &across);
     call_.get(file_, TIFFTAG_TILELENGTH, &down);
     const std::uint64_t bytes = call_.tileBytes(file_);
-    if (across == 0 || down == 0 || bytes > kMostTileBytes || bytes != std::uint64_t{across} * down * width) {
-      return damaged;
+    const std::size_t rowBytes = band.bytesOf(across);
+    if (across == 0 || down == 0 || bytes != std::uint64_t{down} * rowBytes) {
+      return kDamaged;
+    }
+    if (bytes > kMostTileBytes) {
+      return "has tiles that are too large (" + std::to_string(across) + " x " + std::to_string(down) +
+             "): write it again with gdal_translate";
     }
     std::vector<char> tile(bytes);
     for (std::size_t row = 0; row < terrain_.rows; row += down) {
       for (std::size_t column = 0; column < terrain_.columns; column += across) {
-        if (call_.readTile(file_, tile.data(), static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row), 0,
-                           0) < 0) {
-          return damaged;
+        const auto left = static_cast<std::uint32_t>(column);
+        const auto top = static_cast<std::uint32_t>(row);
+        if (call_.writtenBytes(file_, call_.tileOf(file_, left, top, 0, 0)) == 0) {
+          continue;
+        }
+        if (call_.readTile(file_, tile.data(), left, top, 0, 0) < 0) {
+          return kDamaged;
         }
         for (std::size_t y = row; y < std::min<std::size_t>(row + down, terrain_.rows); ++y) {
           for (std::size_t x = column; x < std::min<std::size_t>(column + across, terrain_.columns); ++x) {
-            terrain_.heights[y * terrain_.columns + x] =
-                numberAt(tile.data() + ((y - row) * across + (x - column)) * width);
+            numbers[y * terrain_.columns + x] = band.numberAt(tile.data() + (y - row) * rowBytes, x - column);
           }
         }
       }
@@ -315,61 +329,49 @@ class GeoTiff {
     return std::nullopt;
   }
 
-  /// The number that stands for no height.
-  std::optional<double> noData() {
-    std::uint32_t count = 0;
-    const char* text = nullptr;
-    double value = 0.0;
-    if (call_.get(file_, kNoDataTag, &count, &text) != 1 || text == nullptr) {
-      return std::nullopt;
-    }
-    const std::string_view field(text, ::strnlen(text, count));
-    const auto [rest, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    return error == std::errc() ? std::optional(value) : std::nullopt;
-  }
-
-  /// The number of an item of GDAL's metadata, as `<Item name="SCALE" sample="0" role="scale">0.01</Item>`.
-  [[nodiscard]] std::optional<double> itemOf(const std::string& role) {
-    std::uint32_t count = 0;
-    const char* text = nullptr;
-    if (call_.get(file_, kMetadataTag, &count, &text) != 1 || text == nullptr) {
-      return std::nullopt;
-    }
-    const std::string_view items(text, ::strnlen(text, count));
-    const std::size_t at = items.find("role=\"" + role + "\"");
-    const std::size_t begin = at == std::string_view::npos ? at : items.find('>', at);
-    double value = 0.0;
-    if (begin == std::string_view::npos ||
-        std::from_chars(items.data() + begin + 1, items.data() + items.size(), value).ec != std::errc()) {
-      return std::nullopt;
-    }
-    return value;
-  }
-
-  Problem checkHeights() {
-    const std::optional<double> none = noData();
-    const auto isMissing = [&](double height) { return !(std::abs(height) < 1e100) || (none && height == *none); };
-    const auto missing = std::ranges::count_if(terrain_.heights, isMissing);
-    if (missing > 0) {
-      return "has " + std::to_string(missing) + " of " + std::to_string(terrain_.heights.size()) +
-             " cells without a height. Fill them, as with gdal_fillnodata.py, or cut out a part";
-    }
-    const double scale = itemOf("scale").value_or(1.0);
-    const double offset = itemOf("offset").value_or(0.0);
-    for (double& height : terrain_.heights) {
-      height = height * scale + offset;
-    }
-    if (std::ranges::any_of(terrain_.heights, [](double height) { return !(std::abs(height) < 1e100); })) {
-      return std::string("has a scale or an offset that is no finite number. Get an undamaged copy");
+  /// Looks for cells that a mask in the file leaves out. Masks of overviews do not count.
+  Problem readMasks() {
+    for (int image = 1; call_.isLastImage(file_) == 0; ++image) {
+      if (image == kMostImages) {
+        return "has more than " + std::to_string(kMostImages) + " images: write it again with gdal_translate";
+      }
+      if (call_.nextImage(file_) != 1) {
+        return kDamaged;
+      }
+      std::uint32_t kind = 0;
+      call_.getOrDefault(file_, TIFFTAG_SUBFILETYPE, &kind);
+      if ((kind & FILETYPE_MASK) == 0 || (kind & FILETYPE_REDUCEDIMAGE) != 0) {
+        continue;
+      }
+      std::uint32_t columns = 0;
+      std::uint32_t rows = 0;
+      HeightBand mask;
+      std::uint16_t bands = 1;
+      call_.get(file_, TIFFTAG_IMAGEWIDTH, &columns);
+      call_.get(file_, TIFFTAG_IMAGELENGTH, &rows);
+      call_.getOrDefault(file_, TIFFTAG_SAMPLESPERPIXEL, &bands);
+      call_.getOrDefault(file_, TIFFTAG_BITSPERSAMPLE, &mask.bits);
+      if (columns != terrain_.columns || rows != terrain_.rows || bands != 1 || (mask.bits != 1 && mask.bits != 8)) {
+        return std::string("has a mask of a kind that is not read. Write it without one: gdalwarp -dstnodata -9999");
+      }
+      std::vector<double> isValid;
+      if (auto problem = readNumbers(mask, isValid)) {
+        return problem;
+      }
+      // gdal_fillnodata.py alone loses the mask and fills nothing
+      if (const auto missing = std::ranges::count_if(isValid, [](double bit) { return !(bit > 0.0); }); missing > 0) {
+        return "has " + std::to_string(missing) + " of " + std::to_string(isValid.size()) +
+               " cells without a height: its mask leaves them out. Write a number in place of the mask with gdalwarp "
+               "-dstnodata -9999, and fill them, as with gdal_fillnodata.py";
+      }
     }
     return std::nullopt;
   }
 
   const Functions& call_;
-  Memory memory_;
+  MemoryFile memory_;
   TIFF* file_ = nullptr;
-  std::uint16_t bits_ = 0;
-  std::uint16_t sampleFormat_ = SAMPLEFORMAT_UINT;
+  HeightBand band_;
   bool isPoint_ = false;  // a number is that of a point, not of an area
   Terrain terrain_;
 };

@@ -25,10 +25,11 @@ struct Terrain {
 };
 
 /// Reads the heights of a GeoTIFF (OGC 19-008r4): one band of whole or real numbers, in strips or tiles, in any
-/// compression of libtiff, north up. Coordinates in degrees, lengths in feet, cells without a height, and more than
-/// kMostHeights are refused. The error is a sentence about the file without its subject. The libraries libgeotiff and
-/// libtiff are loaded when this is first called, because the program starts twice as fast without them; where they
-/// are missing the error says so. Time and memory are O(heights + bytes).
+/// compression of libtiff, north up. Coordinates in degrees, lengths or heights in feet, cells without a height (by
+/// GDAL's no-data value, by a mask in the file, or never written), and more than kMostHeights are refused. The error is
+/// a sentence about the file without its subject. The libraries libgeotiff and libtiff are loaded when this is first
+/// called, because the program starts twice as fast without them; where they are missing the error says so. Time and
+/// memory are O(heights + bytes).
 [[nodiscard]] tl::expected<Terrain, std::string> readGeoTiff(std::string_view bytes);
 
 }  // namespace espalier::server
