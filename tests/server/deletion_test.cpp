@@ -137,7 +137,7 @@ TEST(DeletionOfEnvironments, AnEnvironmentIsToldThatItsSimulationIsNoMore) {
   const OfferingEnvironment environment(
       server, "told", [&](client::Client& self, const client::IncomingRequest& request) {
         if (request.method == "environment.close") {
-          closed.set_value(member(request.paramsJson, "simulation"));
+          closed.set_value(member(request.params.toText(), "simulation"));
         }
         (void)self.respond(request.id, request.method == "environment.step" ? R"({"replies":[]})" : "{}");
       });
