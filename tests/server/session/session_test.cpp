@@ -310,8 +310,8 @@ TEST(Session, ATraceIsBegunEndedListedAndSent) {
   EXPECT_FALSE(std::get<simulation::ReplayResult>(replayed).divergence.has_value());
   EXPECT_EQ(
       errorOf(get(R"("trace","trace":2)")).message,
-      "params.trace: there is no trace 2 of this simulation, or it is too large for an answer; ask for its traces, "
-      "or download it over HTTP");
+      "params.trace: there is no trace 2 of this simulation, it cannot be read now, or it is too large for an answer; "
+      "ask for its traces, or download it over HTTP");
 }
 
 TEST(Session, ALongCallSaysHowFarItIsWhenAsked) {
