@@ -150,7 +150,8 @@ class Http(unittest.TestCase):
             self.assertEqual(connection.recv(100), b"")
         with socket.create_connection((host, int(port)), 30) as connection:
             connection.sendall(b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 5000)
-            self.assertEqual(self.ended(connection), b"")
+            # what was not read can make the system reset the connection before the answer has come
+            self.assertIn(self.ended(connection)[:12], (b"", b"HTTP/1.1 431"))
         self.assertEqual(self.get("/health")[0], 200)
 
     @staticmethod
