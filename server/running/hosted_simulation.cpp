@@ -255,16 +255,14 @@ std::optional<protocol::Error> HostedSimulation::save(bool withRecord) {
 }
 
 std::optional<protocol::Error> HostedSimulation::change(
-    const std::function<std::optional<core::SimulationError>()>& make) {
-  const bool isSavedAfter = isKept() && record_.create.save.every > 0;
-  const std::string before = isSavedAfter ? snapshot() : std::string();
+    const std::string& before, const std::function<std::optional<core::SimulationError>()>& make) {
   const bool wasSaved = isSaved_;
   const bool wasSaveDue = isSaveDue_;
   if (const auto error = make()) {
     return errorOf(*error);
   }
   isSaved_ = false;
-  const auto problem = isSavedAfter ? write(false) : std::nullopt;
+  const auto problem = savesChanges() ? write(false) : std::nullopt;
   const auto lost = problem ? simulation_->restore(before) : std::nullopt;
   beginTrace();
   if (!problem) {
@@ -280,8 +278,7 @@ std::optional<protocol::Error> HostedSimulation::change(
 }
 
 std::optional<protocol::Error> HostedSimulation::replaceBy(HostedSimulation& fresh, bool isRecordNew) {
-  const bool isSavedAfter = isRecordNew || record_.create.save.every > 0;
-  if (const auto problem = isSavedAfter ? fresh.write(isRecordNew) : std::nullopt) {
+  if (const auto problem = isRecordNew || savesChanges() ? fresh.write(isRecordNew) : std::nullopt) {
     return storageError("Nothing was changed: " + *problem);
   }
   adopt(fresh);
@@ -328,7 +325,7 @@ void HostedSimulation::beginTrace() {
 
 std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64_t> seed) {
   if (!seed) {
-    return change([this] { return simulation_->rewind(); });
+    return change(stateBefore(), [this] { return simulation_->rewind(); });
   }
   // a simulation has its seed for life: make another, which takes the place of the old one when it is ready
   SimulationRecord record = record_;
@@ -369,11 +366,12 @@ std::optional<protocol::Error> HostedSimulation::edit(const protocol::EditParams
     core::pollWork();
     edit.modules.push_back({module.symbol, module.parameters});
   }
-  const auto edited = simulation::editString(snapshot(), edit);
+  const std::string before = snapshot();
+  const auto edited = simulation::editString(before, edit);
   if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
     return errorOf(*error);
   }
-  return restore(std::get<std::string>(edited));
+  return change(before, [&] { return simulation_->restore(std::get<std::string>(edited)); });
 }
 
 std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair<std::string, std::string>>& values) {
@@ -406,11 +404,12 @@ std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair
     }
     return define(defines);
   }
-  const auto edited = simulation::setVariables(snapshot(), programs, variables);
+  const std::string before = snapshot();
+  const auto edited = simulation::setVariables(before, programs, variables);
   if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
     return errorOf(*error);
   }
-  return restore(std::get<std::string>(edited));
+  return change(before, [&] { return simulation_->restore(std::get<std::string>(edited)); });
 }
 
 std::optional<protocol::Error> HostedSimulation::define(
@@ -452,7 +451,7 @@ std::string HostedSimulation::snapshot() const {
 }
 
 std::optional<protocol::Error> HostedSimulation::restore(std::string_view snapshot) {
-  return change([this, snapshot] { return simulation_->restore(snapshot); });
+  return change(stateBefore(), [this, snapshot] { return simulation_->restore(snapshot); });
 }
 
 std::optional<protocol::Error> HostedSimulation::saveCheckpoint(const std::string& name) {

@@ -121,10 +121,13 @@ class HostedSimulation {
   [[nodiscard]] std::optional<std::string> write(bool withRecord);
   /// The same after a step.
   [[nodiscard]] std::optional<protocol::Error> save(bool withRecord);
+  [[nodiscard]] bool savesChanges() const { return isKept() && record_.create.save.every > 0; }
+  /// The state to go back to when a change cannot be saved; empty when changes are not saved.
+  [[nodiscard]] std::string stateBefore() const { return savesChanges() ? snapshot() : std::string(); }
   /// Makes a change that a client asked for, and saves it unless the simulation is saved on request only. When it
-  /// cannot be saved, the state before is restored.
+  /// cannot be saved, the state `before` is restored.
   [[nodiscard]] std::optional<protocol::Error> change(
-      const std::function<std::optional<core::SimulationError>()>& make);
+      const std::string& before, const std::function<std::optional<core::SimulationError>()>& make);
   /// Saves another one that was made from the same record in the same way, and takes its parts over.
   [[nodiscard]] std::optional<protocol::Error> replaceBy(HostedSimulation& fresh, bool isRecordNew);
   void adopt(HostedSimulation& fresh);
