@@ -207,7 +207,7 @@ TEST(RsmlReader, SamplesWithoutAPlaceAreRefused) {
             "line 2: the function 'diameter' of the root 'a' has the unknown domain 'time'. Write polyline, length or "
             "uniform");
   EXPECT_EQ(problem("<function name='diameter' domain='length'><sample position='one' value='4'/></function>"),
-            "line 2: expected a number, found 'one'. Write a number there");
+            "line 2: expected a number, found 'one'. Write a number there, with a decimal point");
 }
 
 TEST(RsmlReader, ElementsMayHaveThePrefixOfANamespace) {
@@ -303,10 +303,11 @@ TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
   EXPECT_EQ(ofTable("0\t-1\t0\t0\t0\n0\t-1\t0\t0\t0\n"),
             "line 3: the node 0 is there twice. Give each node a number of its own");
   EXPECT_EQ(ofTable("0\t-1\t0\tnorth\t0\n"),
-            "line 2: expected a number in the column 'y', found 'north'. Write a number there");
+            "line 2: expected a number in the column 'y', found 'north'. Write a number there, with a decimal point");
   EXPECT_EQ(ofTable("0\t-1\t0\t0\t0\n1\t0\t0\t0\t-1e308\n"),
             "line 3: a coordinate is beyond 1e100. Correct the number");
-  EXPECT_EQ(ofTable("0\t-1\t0\n"), "line 2: expected a number in the column 'y', found ''. Write a number there");
+  EXPECT_EQ(ofTable("0\t-1\t0\n"),
+            "line 2: expected a number in the column 'y', found ''. Write a number there, with a decimal point");
   EXPECT_EQ(
       readRootTable("x\ty\n1\t2\n").error(),
       "line 1: the header has no column 'node'. A table of roots has the columns node, parent, x, y, z, separated "
@@ -320,7 +321,7 @@ TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
   EXPECT_EQ(readRsml(rootWith("<point x='1' z='2'/>")).error(),
             "line 1: a point has no 'y'. Write its coordinates as attributes x, y and z");
   EXPECT_EQ(readRsml(rootWith("\n<point x='1' y='up'/>")).error(),
-            "line 2: expected a number, found 'up'. Write a number there");
+            "line 2: expected a number, found 'up'. Write a number there, with a decimal point");
   EXPECT_EQ(readRsml("<!DOCTYPE a [<!ENTITY b \"cccc\">]>\n<rsml/>").error(),
             "line 1: the file declares an entity, which root files do not need. Remove it");
   EXPECT_EQ(readRsml(rootWith("<point x='1' y='2e200'/>")).error(),

@@ -161,7 +161,7 @@ tl::expected<RootSystem, std::string> readRootTable(std::string_view text) {
       const auto value = numberOf(field);
       if (!value) {
         return tl::unexpected(placeOf(number) + "expected a number in the column '" + std::string(name) + "', found '" +
-                              std::string(field.substr(0, 40)) + "'. Write a number there");
+                              std::string(field.substr(0, 40)) + "'. Write a number there, with a decimal point");
       }
       *target = *value;
     }

@@ -133,7 +133,8 @@ class Reader {
     double value = 0.0;
     const auto [at, error] = std::from_chars(field.data(), field.data() + field.size(), value);
     if (error != std::errc() || at != field.data() + field.size() || !std::isfinite(value)) {
-      fail("expected a number, found '" + std::string(field.substr(0, 40)) + "'. Write a number there");
+      fail("expected a number, found '" + std::string(field.substr(0, 40)) +
+           "'. Write a number there, with a decimal point");
       return std::nullopt;
     }
     return value;
