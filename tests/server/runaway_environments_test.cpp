@@ -50,12 +50,18 @@ TEST(RunawayEnvironments, ANarrowPlotEndsWithCallSeconds) {
   options.limits.callSeconds = 1;
   const RunningServer server(options);
   const auto client = connectTo(server);
-  const std::string simulation = create(*client,
-                                        "Lsystem: 1\nderivation length: 1\nAxiom: f(1)L?E(1)\nhomomorphism\n"
-                                        "L --> {.f(1)-(90).f(1).}\nendlsystem\n",
-                                        R"([{"type":"light","plot":[0,1e15,0,1e9]}])");
-  const auto outcome = client->request("simulation.step", named(simulation));
-  EXPECT_TRUE(outcome || outcome.error().message.find("callSeconds") != std::string::npos) << outcome.error().message;
+  protocol::JsonWriter params;
+  params.beginObject().key("model").beginObject().key("main").text("m.l").key("files").beginObject();
+  params.key("m.l").text(
+      "Lsystem: 1\nderivation length: 9\nAxiom: A\n"
+      "A --> F(0)[+(30)LF(1)?E(3,2,1,1,1)]/(137)F(1)?E(1,1,3,1,1)A\nL --> L\n"
+      "homomorphism\nL --> {.f(1)-(90).f(1).}\nendlsystem\n");
+  params.key("m.v").text("line style: cylinder\ninitial line width: 0.1\n").endObject().endObject();
+  params.key("seed").integer(std::uint64_t{1});
+  params.key("environment").raw(R"([{"type":"light","plot":[1,1e15,0,7]}])").endObject();
+  const std::string simulation = member(resultOf(client->request("simulation.create", params.take())), "simulation");
+  const auto error = errorOf(client->request("simulation.step", named(simulation, R"("steps":3)")));
+  EXPECT_NE(error.message.find("callSeconds"), std::string::npos) << error.message;
 }
 
 }  // namespace
