@@ -9,6 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "engine/core/base64.h"
 #include "environment/base/json_text.h"
 #include "environment/base/number_text.h"
 #include "environment/output/vtk_arrays.h"
@@ -19,7 +20,6 @@ namespace {
 
 using turtle::Field;
 
-constexpr std::string_view kBase64Digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 /// More cells than any field here has.
 constexpr std::size_t kMostCells = std::size_t{1} << 30;
 /// Numbers that a file may unpack, in all: a small file can ask for many.
@@ -43,21 +43,6 @@ std::string bytesOf(const std::vector<double>& values) {
     bytes += littleEndian(std::bit_cast<std::uint64_t>(value));
   }
   return bytes;
-}
-
-std::string toBase64(std::string_view bytes) {
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = (group << 8U) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text.push_back(i + k <= bytes.size() ? kBase64Digits[(group >> (18U - 6U * k)) & 63U] : '=');
-    }
-  }
-  return text;
 }
 
 std::string escaped(std::string_view text) {
@@ -229,7 +214,7 @@ tl::expected<std::vector<double>, std::string> dataOf(const Element& array, cons
     }
   } else {
     const std::size_t header = packing.hasLongHeader ? 8 : 4;
-    const auto all = fromBase64(data, data.size());
+    const auto all = fromBase64Pieces(data, data.size());
     if (!all || all->size() < header) {
       return tl::unexpected(std::string("has a data array that is no base64"));
     }
@@ -256,7 +241,7 @@ std::string writeVti(std::span<const Field> fields) {
       "\">\n<CellData Scalars=\"" + escaped(first.name) + "\">\n";
   for (const Field& field : fields) {
     text += "<DataArray type=\"Float64\" Name=\"" + escaped(field.name) + "\" Unit=\"" + escaped(field.unit) +
-            "\" format=\"binary\">\n" + toBase64(littleEndian(8 * field.values.size()) + bytesOf(field.values)) +
+            "\" format=\"binary\">\n" + core::toBase64(littleEndian(8 * field.values.size()) + bytesOf(field.values)) +
             "\n</DataArray>\n";
   }
   return text + "</CellData>\n</Piece>\n</ImageData>\n</VTKFile>\n";

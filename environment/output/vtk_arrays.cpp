@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "engine/core/base64.h"
+
 namespace espalier::environment {
 
 namespace {
-
-constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 /// A number of the header that stands before the data.
 std::uint64_t headerNumber(std::string_view bytes, std::size_t index, std::size_t size) {
@@ -22,7 +22,7 @@ std::uint64_t headerNumber(std::string_view bytes, std::size_t index, std::size_
 
 }  // namespace
 
-std::optional<std::string> fromBase64(std::string_view text, std::size_t most) {
+std::optional<std::string> fromBase64Pieces(std::string_view text, std::size_t most) {
   std::string bytes;
   std::uint32_t group = 0;
   int digits = 0;
@@ -34,7 +34,7 @@ std::optional<std::string> fromBase64(std::string_view text, std::size_t most) {
     if (character == ' ' || character == '\n' || character == '\r' || character == '\t') {
       continue;
     }
-    const std::size_t digit = character == '=' ? 0 : kDigits.find(character);
+    const std::size_t digit = character == '=' ? 0 : core::kBase64Digits.find(character);
     if (digit == std::string_view::npos) {
       return std::nullopt;
     }
@@ -59,7 +59,7 @@ tl::expected<std::string, std::string> unpackedBytes(std::string_view data, bool
   const tl::unexpected<std::string> tooLong("has a data array that is too long for its cells. Get an undamaged copy");
   const std::size_t size = packing.hasLongHeader ? 8 : 4;
   const auto taken = [&](std::uint64_t count) -> std::optional<std::string> {
-    auto bytes = isBase64 ? fromBase64(data, count) : std::optional(std::string(data.substr(0, count)));
+    auto bytes = isBase64 ? fromBase64Pieces(data, count) : std::optional(std::string(data.substr(0, count)));
     return bytes && bytes->size() == count ? std::move(bytes) : std::nullopt;
   };
   if (!packing.isCompressed) {

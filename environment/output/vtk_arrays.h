@@ -18,7 +18,7 @@ struct VtkPacking {
 
 /// The bytes of base64, at most `most`. Blanks are skipped; padding ends a run, so that data written in several runs
 /// are read as one. Nothing when the text is no base64; a tag ends it. O(most).
-[[nodiscard]] std::optional<std::string> fromBase64(std::string_view text, std::size_t most);
+[[nodiscard]] std::optional<std::string> fromBase64Pieces(std::string_view text, std::size_t most);
 
 /// The numbers of one array as bytes, without the header before them, from the beginning of `data`, which is base64 or
 /// raw. At most `most` bytes are unpacked; an array that has more is an error, which is a sentence about the file

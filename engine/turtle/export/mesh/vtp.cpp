@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/base64.h"
 #include "engine/turtle/export/mesh/placed_meshes.h"
 #include "engine/turtle/export/text_output.h"
 
@@ -24,20 +25,13 @@ constexpr std::uint16_t kUnknownSymbol = 65'535;
 template <typename Number>
 void writeBinary(const std::vector<Number>& values, TextOutput& out) {
   static_assert(std::endian::native == std::endian::little);
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   const std::uint64_t size = values.size() * sizeof(Number);
   std::string bytes(sizeof(size) + size, '\0');
   std::memcpy(bytes.data(), &size, sizeof(size));
   if (size > 0) {
     std::memcpy(bytes.data() + sizeof(size), values.data(), size);
   }
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byteAt = [&](std::size_t k) { return k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0U; };
-    const std::uint32_t group = byteAt(i) << 16U | byteAt(i + 1) << 8U | byteAt(i + 2);
-    for (std::size_t k = 0; k < 4; ++k) {
-      out << (i + k <= bytes.size() ? kDigits[group >> (18U - 6U * k) & 63U] : '=');
-    }
-  }
+  out << core::toBase64(bytes);
 }
 
 template <typename Number>

@@ -1,0 +1,22 @@
+#include "engine/core/base64.h"
+
+#include <cstdint>
+
+namespace espalier::core {
+
+std::string toBase64(std::string_view bytes) {
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      group = (group << 8U) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += i + k <= bytes.size() ? kBase64Digits[(group >> (18U - 6U * k)) & 63U] : '=';
+    }
+  }
+  return text;
+}
+
+}  // namespace espalier::core
