@@ -24,6 +24,7 @@
 #include "environment/base/state_numbers.h"
 #include "environment/geometry/world_up.h"
 #include "environment/hydraulics/plant_trees.h"
+#include "environment/hydraulics/uptake_fractions.h"
 #include "environment/hydraulics/xylem_keys.h"
 
 namespace espalier::environment {
@@ -122,6 +123,7 @@ class Xylem final : public turtle::EnvironmentProcess {
     lengthUnit_ = context.world.lengthUnit;
     days_ = context.world.stepDurationDays;
     keys_ = given_;
+    trees_ = PlantTrees(keys_.join);
     const double metres = unit->metres;
     for (const auto& [isGiven, head] : {std::pair(keys_.hasOwnSoilHead, &keys_.soilHead),
                                         {keys_.hasOwnCollarHead, &keys_.collarHead},
@@ -198,7 +200,8 @@ class Xylem final : public turtle::EnvironmentProcess {
           "needs the radius of segments, and the model draws lines of so many pixels. Give the key 'radius', or 'line "
           "style: cylinder' in the view file.");
     }
-    const PlantTrees trees(geometry, keys_.join);
+    trees_.update(geometry);
+    const PlantTrees& trees = trees_;
     std::vector<SegmentTraits> traits(trees.nodes().size());
     std::vector<std::uint32_t> nodeOf(queries.size(), PlantTrees::kNone);
     if (auto error = readQueries(queries, trees, traits, nodeOf)) {
@@ -218,8 +221,8 @@ class Xylem final : public turtle::EnvironmentProcess {
     if (auto error = passTime(queries.timeDays, trees, traits, *plants, water, sums)) {
       return error;
     }
-    const HydraulicTree::Result unit = water.tree().solve(Collar{});
-    answer(queries, trees, *plants, nodeOf, sums, unit, replies);
+    fractions_.update(std::move(water.nodes()));
+    answer(queries, trees, *plants, nodeOf, sums, replies);
     countAnswers(queries, replies);
     return std::nullopt;
   }
@@ -357,6 +360,9 @@ class Xylem final : public turtle::EnvironmentProcess {
       const PlantTrees& trees, const std::vector<SegmentTraits>& traits) const {
     const double longest = smallestSide();
     Plants plants;
+    plants.first.reserve(trees.nodes().size() + 1);
+    plants.middles.reserve(trees.nodes().size());
+    plants.nodes.reserve(trees.nodes().size());
     for (std::size_t i = 0; i < trees.nodes().size(); ++i) {
       const PlantTrees::Node& from = trees.nodes()[i];
       plants.first.push_back(static_cast<std::uint32_t>(plants.nodes.size()));
@@ -472,8 +478,7 @@ class Xylem final : public turtle::EnvironmentProcess {
   }
 
   void answer(const turtle::QueryBatch& queries, const PlantTrees& trees, const Plants& plants,
-              const std::vector<std::uint32_t>& nodeOf, const WaterSums& sums, const HydraulicTree::Result& unit,
-              turtle::ReplyBatch& replies) const {
+              const std::vector<std::uint32_t>& nodeOf, const WaterSums& sums, turtle::ReplyBatch& replies) const {
     for (std::size_t query = 0; query < queries.size(); ++query) {
       std::array<double, 16> values{};
       if (nodeOf[query] != PlantTrees::kNone) {
@@ -482,12 +487,12 @@ class Xylem final : public turtle::EnvironmentProcess {
         values[3] = sums.heads[end - 1] / sums.days;
         for (std::uint32_t i = plants.first[nodeOf[query]]; i < end; ++i) {
           values[4] += (sums.uptakes[i] - sums.given[i]) / sums.days;
-          values[8] += unit.uptakeFractions[i];
+          values[8] += fractions_.fractions()[i];
           values[9] += sums.surfaceHeads[i] / sums.days / (end - plants.first[nodeOf[query]]);
         }
         values[5] = sums.collarHeads[node.plant] / sums.days;
         values[6] = sums.collarFlows[node.plant] / sums.days;
-        values[7] = unit.conductances[node.plant];
+        values[7] = fractions_.conductanceOf(node.plant);
         if (hasStomata() && queries.parametersOf(query).size() > 2 && queries.parametersOf(query)[2] > 0.0) {
           const PlantWater::LeafState& leaf = sums.leaves[end - 1];
           values[5] = leaf.conductance / sums.days;
@@ -520,6 +525,8 @@ class Xylem final : public turtle::EnvironmentProcess {
   XylemKeys given_;  // as configured
   XylemKeys keys_;   // with defaults in the world's length unit
   std::optional<SoilBody> soil_;
+  PlantTrees trees_;           // of the last step
+  UptakeFractions fractions_;  // of the last step
   Vec3 up_{0.0, 1.0, 0.0};
   double days_ = 1.0;       // of a step
   double clock_ = 0.0;      // time of the day at the start, days after midnight
