@@ -6,10 +6,10 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
-#include <boost/beast/websocket/ssl.hpp>
 
 #include "server/network/downloads.h"
 #include "server/network/http_pages.h"
+#include "server/network/tcp_or_tls_stream.h"
 
 namespace espalier::server {
 namespace {
@@ -31,11 +31,10 @@ constexpr std::chrono::seconds kIdle{60};
 constexpr int kMostRequests = 1'000;
 
 /// Messages over a WebSocket: a text frame each, or a binary frame with blocks.
-template <typename Stream>
 class WebSocketConnection final : public PeerConnection {
  public:
   /// `upgrade`: the request that asked for it.
-  WebSocketConnection(Stream stream, Request upgrade, ServerCore& core, Accepted accepted)
+  WebSocketConnection(TcpOrTlsStream stream, Request upgrade, ServerCore& core, Accepted accepted)
       : PeerConnection(stream.get_executor(), core, std::move(accepted)),
         stream_(std::move(stream)),
         upgrade_(std::move(upgrade)) {
@@ -123,7 +122,7 @@ class WebSocketConnection final : public PeerConnection {
   }
 
   // without compression: what a peer sends costs its own size
-  websocket::stream<Stream, false> stream_;
+  websocket::stream<TcpOrTlsStream, false> stream_;
   Request upgrade_;
   beast::flat_buffer buffer_;
   protocol::BulkTextReader bulk_;
@@ -200,29 +199,28 @@ asio::awaitable<std::optional<HttpPage>> download(DownloadPath path, Account& ac
 constexpr std::string_view kText = "text/plain; charset=utf-8";
 
 /// One connection of the HTTP side. Its coroutine keeps it.
-template <typename Stream>
-class HttpConnection final : public std::enable_shared_from_this<HttpConnection<Stream>> {
+class HttpConnection final : public std::enable_shared_from_this<HttpConnection> {
  public:
-  HttpConnection(Stream stream, Accepted accepted, HttpServices services)
+  HttpConnection(TcpOrTlsStream stream, Accepted accepted, HttpServices services)
       : stream_(std::move(stream)), accepted_(std::move(accepted)), services_(std::move(services)) {}
 
   void start() {
-    accepted_.place->onEvicted([weak = this->weak_from_this()] {
+    accepted_.place->onEvicted([weak = weak_from_this()] {
       if (const auto self = weak.lock()) {
         self->lowest().close();
       }
     });
     asio::co_spawn(
-        stream_.get_executor(), [self = this->shared_from_this()] { return self->serve(); }, asio::detached);
+        stream_.get_executor(), [self = shared_from_this()] { return self->serve(); }, asio::detached);
   }
 
  private:
-  auto& lowest() { return beast::get_lowest_layer(stream_); }
+  beast::tcp_stream& lowest() { return beast::get_lowest_layer(stream_); }
 
   asio::awaitable<void> serve() {
     lowest().expires_at(accepted_.deadline);
-    if constexpr (requires(Stream & stream) { stream.next_layer(); }) {
-      const auto [error] = co_await stream_.async_handshake(asio::ssl::stream_base::server, kAsTuple);
+    if (stream_.isEncrypted()) {
+      const auto [error] = co_await stream_.tls().async_handshake(asio::ssl::stream_base::server, kAsTuple);
       if (error) {
         co_return;
       }
@@ -249,8 +247,8 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
       }
       Request request = parser.release();
       if (isUpgradeAllowed(request)) {
-        services_.admit(std::make_shared<WebSocketConnection<Stream>>(std::move(stream_), std::move(request),
-                                                                      *services_.core, std::move(accepted_)));
+        services_.admit(std::make_shared<WebSocketConnection>(std::move(stream_), std::move(request), *services_.core,
+                                                              std::move(accepted_)));
         co_return;
       }
       lowest().expires_never();
@@ -332,27 +330,20 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
     co_return response.keep_alive();
   }
 
-  Stream stream_;
+  TcpOrTlsStream stream_;
   Accepted accepted_;
   HttpServices services_;
   beast::flat_buffer buffer_{kRequestBytes};
   bool isLoopback_ = false;  // it came in on this machine's own address
 };
 
-template <typename Stream>
-void serve(Stream stream, Accepted accepted, HttpServices services) {
-  std::make_shared<HttpConnection<Stream>>(std::move(stream), std::move(accepted), std::move(services))->start();
-}
-
 }  // namespace
 
-void serveHttp(tcp::socket socket, Accepted accepted, HttpServices services) {
-  serve(beast::tcp_stream(std::move(socket)), std::move(accepted), std::move(services));
-}
-
-void serveHttps(tcp::socket socket, asio::ssl::context& encryption, Accepted accepted, HttpServices services) {
-  serve(asio::ssl::stream<beast::tcp_stream>(beast::tcp_stream(std::move(socket)), encryption), std::move(accepted),
-        std::move(services));
+void serveHttp(tcp::socket socket, asio::ssl::context* encryption, Accepted accepted, HttpServices services) {
+  beast::tcp_stream plain(std::move(socket));
+  TcpOrTlsStream stream =
+      encryption == nullptr ? TcpOrTlsStream(std::move(plain)) : TcpOrTlsStream({std::move(plain), *encryption});
+  std::make_shared<HttpConnection>(std::move(stream), std::move(accepted), std::move(services))->start();
 }
 
 }  // namespace espalier::server

@@ -18,8 +18,7 @@ struct HttpServices {
 
 /// Serves the requests of one connection until it ends or becomes a WebSocket: pages, downloads and the upgrade at
 /// `/espalier/1`. TLS, the first request, the upgrade and hello have one deadline together.
-void serveHttp(asio::ip::tcp::socket socket, Accepted accepted, HttpServices services);
-/// The same over TLS. `encryption` outlives the connection.
-void serveHttps(asio::ip::tcp::socket socket, asio::ssl::context& encryption, Accepted accepted, HttpServices services);
+/// With `encryption`, which outlives the connection, over TLS.
+void serveHttp(asio::ip::tcp::socket socket, asio::ssl::context* encryption, Accepted accepted, HttpServices services);
 
 }  // namespace espalier::server

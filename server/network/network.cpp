@@ -279,11 +279,7 @@ class Network::Implementation {
     Accepted accepted = acceptedFrom(socket, Side::Http);
     prepare(socket);
     HttpServices services{core_, [this](std::shared_ptr<PeerConnection> connection) { admit(std::move(connection)); }};
-    if (isEncrypted_) {
-      serveHttps(std::move(socket), encryption_, std::move(accepted), std::move(services));
-    } else {
-      serveHttp(std::move(socket), std::move(accepted), std::move(services));
-    }
+    serveHttp(std::move(socket), isEncrypted_ ? &encryption_ : nullptr, std::move(accepted), std::move(services));
   }
 
   /// Gives a session to a connection and keeps it until it is closed.
