@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/core/elementary.h"
+#include "environment/base/or_go_back.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
@@ -125,25 +126,16 @@ class Emission final : public turtle::EnvironmentProcess {
         given.emplace_back(*cell, parameters[0]);
       }
     }
-    // sorted, the sums of a cell are the same for any order of queries
-    std::sort(given.begin(), given.end());
-    const double volume = cellSize_ * cellSize_ * cellSize_;
-    for (std::size_t begin = 0; begin < given.size();) {
-      double amount = 0.0;
-      std::size_t end = begin;
-      for (; end < given.size() && given[end].first == given[begin].first; ++end) {
-        amount += given[end].second;
-      }
-      field_.cells()[given[begin].first] += amount / volume;
-      begin = end;
-    }
     countAnswers(queries, replies);
-    field_.spread(diffusion_);
+    orGoBack(field_.cells(), [&] {
+      giveOff(std::move(given));
+      field_.spread(diffusion_);
+    });
     return std::nullopt;
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override {
-    field_.spread(diffusion_);
+    orGoBack(field_.cells(), [&] { field_.spread(diffusion_); });
     return std::nullopt;
   }
 
@@ -156,6 +148,22 @@ class Emission final : public turtle::EnvironmentProcess {
   }
 
  private:
+  /// Adds what plants give off, amounts by cell.
+  void giveOff(std::vector<std::pair<std::size_t, double>> given) {
+    // sorted, the sums of a cell are the same for any order of queries
+    std::sort(given.begin(), given.end());
+    const double volume = cellSize_ * cellSize_ * cellSize_;
+    for (std::size_t begin = 0; begin < given.size();) {
+      double amount = 0.0;
+      std::size_t end = begin;
+      for (; end < given.size() && given[end].first == given[begin].first; ++end) {
+        amount += given[end].second;
+      }
+      field_.cells()[given[begin].first] += amount / volume;
+      begin = end;
+    }
+  }
+
   SoilField field_;
   double cellSize_;
   double diffusivity_;

@@ -14,6 +14,8 @@
 #include <optional>
 #include <utility>
 
+#include "engine/core/work_meter.h"
+#include "environment/base/or_go_back.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
 #include "environment/base/state_numbers.h"
@@ -62,13 +64,15 @@ class PublishedSoil final : public turtle::EnvironmentProcess {
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
     std::vector<float> next(sweepCount_ != 0 ? field_.cells().size() : 0);
-    for (std::size_t query = 0; query < queries.size(); ++query) {
-      answer(queries, query, replies);
-    }
-    countAnswers(queries, replies);
-    if (queries.size() > 0) {
-      diffuse(next);
-    }
+    orGoBack(field_.cells(), [&] {
+      for (std::size_t query = 0; query < queries.size(); ++query) {
+        answer(queries, query, replies);
+      }
+      countAnswers(queries, replies);
+      if (queries.size() > 0) {
+        diffuse(next);
+      }
+    });
     return std::nullopt;
   }
 
@@ -199,6 +203,7 @@ class PublishedSoil final : public turtle::EnvironmentProcess {
       }
     }
     for (int sweep = 0; sweep < (sweepCount_ < 0 ? kMostSweeps : sweepCount_); ++sweep) {
+      core::pollWork();
       if (!relax(sweep > 0, next) && sweepCount_ < 0) {
         break;
       }

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "environment/base/or_go_back.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
@@ -174,14 +175,16 @@ class Soil final : public turtle::EnvironmentProcess {
     for (std::size_t query = 0; query < queries.size(); ++query) {
       setDirections(queries, query, replies);
     }
-    shareOut(queries, replies);
-    countAnswers(queries, replies);
-    field_.spread(diffusion_);
+    orGoBack(field_.cells(), [&] {
+      shareOut(queries, replies);
+      countAnswers(queries, replies);
+      field_.spread(diffusion_);
+    });
     return std::nullopt;
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override {
-    field_.spread(diffusion_);
+    orGoBack(field_.cells(), [&] { field_.spread(diffusion_); });
     return std::nullopt;
   }
 

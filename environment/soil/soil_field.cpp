@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "engine/core/work_meter.h"
+
 namespace espalier::environment {
 
 namespace {
@@ -266,6 +268,7 @@ void SoilField::relax(int stepCount, const Factors& factors, double staying) {
   for (int done = 0; done < stepCount;) {
     const int count = std::min(together, stepCount - done);
     for (std::ptrdiff_t front = 0; front < layers + count - 1; ++front) {
+      core::pollWork();
       for (int step = 0; step < count; ++step) {
         if (front >= step && front - step < layers) {
           const bool isLast = done + step + 1 == stepCount;

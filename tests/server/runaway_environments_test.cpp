@@ -64,5 +64,32 @@ TEST(RunawayEnvironments, ANarrowPlotEndsWithCallSeconds) {
   EXPECT_NE(error.message.find("callSeconds"), std::string::npos) << error.message;
 }
 
+// what plants have taken from a field or given to it comes back when the step is given up
+TEST(RunawayEnvironments, AFieldThatSpreadsForLongEndsWithCallSecondsAndStaysAsItWas) {
+  ServerOptions options;
+  options.limits.callSeconds = 1;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  for (
+      const std::string configuration :
+      {R"({"type":"soil","concentrationRange":[0,9],"gridSize":[64,64,64],"domainSize":[8,8,8],"depletion":true,"sourceMap":[],)"
+       R"("diffusionSteps":1000000,"relaxationFactor":0.5})",
+       R"({"type":"soil","concentrationRange":[0,9],"gridSize":[64,64,64],"domainSize":[8,8,8],"depletion":true,"sourceMap":[],)"
+       R"("compatible":true,"diffusionSteps":1000000,"relaxationFactor":0.5})",
+       R"({"type":"emission","gridSize":[64,64,64],"cellSize":0.1,"diffusivity":80})"}) {
+    const std::string simulation =
+        create(*client, "Lsystem: 1\nderivation length: 9\nAxiom: F(1)?E(1)\nF(x) --> F(x)\nendlsystem\n",
+               "[" + configuration + "]");
+    const auto hash = [&] {
+      return member(resultOf(client->request("simulation.get", named(simulation, R"("what":"state-hash")"))),
+                    "stateHash");
+    };
+    const std::string before = hash();
+    const auto error = errorOf(client->request("simulation.step", named(simulation)));
+    EXPECT_NE(error.message.find("callSeconds"), std::string::npos) << configuration << error.message;
+    EXPECT_EQ(hash(), before) << configuration;
+  }
+}
+
 }  // namespace
 }  // namespace espalier::server
