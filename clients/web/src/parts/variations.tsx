@@ -41,7 +41,8 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
   const variations = useMemo(() => variationsOf(across, down, studio.seed), [across, down]);
   const keyOf = ({ row, column }: Variation) => `${row} ${column}`;
   useEffect(() => {
-    const made = new View(stage.current!, { ...studio.view!.settings, mode: "model", hasShadows: false });
+    const made = new View(stage.current!, { ...studio.view!.settings, mode: "model", hasShadows: false, hasGround: false });
+    made.setBackground(false); // it is that of the card
     made.setPalette(studio.palette);
     view.current = made;
     return () => {

@@ -480,6 +480,7 @@ export class View {
     this.controls.target.copy(other.controls.target);
     // then fit() keeps the direction
     this.fitted = new Box3();
+    this.plants.tubes.isSmall = true;
     // one drawing is enough
     this.isDrawing = true;
     this.update(geometry, { ...change, isWhole: true }, 0, true);

@@ -20,19 +20,21 @@ const MANY = 150_000;
 const VERY_MANY = 500_000;
 const NEAR = 512; // rows
 
-/** A tube of unit length and radius along y. `x` of `cap` moves a ring beyond an end, in radii. */
-function tube(sides: number, hasCaps: boolean): { positions: Float32Array; index: number[] } {
+type Caps = "none" | "pointed" | "round";
+
+/** A tube of unit length and radius. Of each vertex: the place around the axis in two radii, the place along it (0 or 1), and how many radii it lies beyond the end. */
+function tube(sides: number, caps: Caps): { positions: Float32Array; index: number[] } {
   // rings: place along the axis (0 or 1), radius, beyond the end
-  const round = [0, Math.SQRT1_2, 1];
-  const rings = hasCaps
+  const round = caps === "round" ? [0, Math.SQRT1_2, 1] : [0, 1];
+  const rings = caps !== "none"
     ? [...round.map((r) => [0, r, -Math.sqrt(1 - r * r)]), ...round.reverse().map((r) => [1, r, Math.sqrt(1 - r * r)])]
     : [[0, 1, 0], [1, 1, 0]];
   const positions: number[] = [];
   const index: number[] = [];
   rings.forEach(([along, radius, beyond], ring) => {
     for (let side = 0; side < sides; ++side) {
-      // x: angle, y: place; the shader makes the rest
-      positions.push((2 * Math.PI * side) / sides, along, radius, beyond);
+      const angle = (2 * Math.PI * side) / sides;
+      positions.push(radius * Math.cos(angle), radius * Math.sin(angle), along, beyond);
       if (ring > 0) {
         const a = (ring - 1) * sides + side;
         const b = (ring - 1) * sides + ((side + 1) % sides);
@@ -60,14 +62,14 @@ vec3 tubePosition() {
   axis /= segmentLength;
   vec3 side = normalize(abs(axis.y) < 0.9 ? cross(axis, vec3(0.0, 1.0, 0.0)) : cross(axis, vec3(1.0, 0.0, 0.0)));
   vec3 other = cross(axis, side);
-  vec3 around = cos(ring.x) * side + sin(ring.x) * other;
-  vec3 centre = mix(segmentStart, segmentEnd, ring.y);
+  vec3 outwards = ring.x * side + ring.y * other + ring.w * axis;
+  vec3 centre = mix(segmentStart, segmentEnd, ring.z);
   float depth = max(-(modelViewMatrix * vec4(centre, 1.0)).z, 0.0);
   float onePixel = pixelScale * depth;
-  float radius = 0.5 * mix(segmentWidths.x, segmentWidths.y, ring.y) * (lowest.x > 0.5 ? onePixel : 1.0);
+  float radius = 0.5 * mix(segmentWidths.x, segmentWidths.y, ring.z) * (lowest.x > 0.5 ? onePixel : 1.0);
   radius = max(radius, 0.5 * leastPixels * onePixel);
-  tubeNormal = normalize(around * ring.z + axis * ring.w + axis * (segmentWidths.x - segmentWidths.y) * 0.5 / segmentLength);
-  return centre + radius * (around * ring.z + axis * ring.w);
+  tubeNormal = normalize(outwards + axis * (segmentWidths.x - segmentWidths.y) * 0.5 / segmentLength);
+  return centre + radius * outwards;
 }
 `;
 
@@ -77,9 +79,9 @@ function patch(uniforms: Record<string, { value: unknown }>, isLit: boolean) {
     Object.assign(shader.uniforms, uniforms);
     shader.vertexShader = shader.vertexShader
       .replace("#include <common>", `#include <common>\n${DECLARATIONS}`)
-      .replace("#include <begin_vertex>", `vec3 transformed = tubePosition();\ntubeColour = segmentColour.rgb;`);
+      .replace("#include <begin_vertex>", `vec3 transformed = ${isLit ? "tubePlace" : "tubePosition()"};\ntubeColour = segmentColour.rgb;`);
     if (isLit) {
-      shader.vertexShader = shader.vertexShader.replace("#include <beginnormal_vertex>", "tubePosition();\nvec3 objectNormal = tubeNormal;");
+      shader.vertexShader = shader.vertexShader.replace("#include <beginnormal_vertex>", "vec3 tubePlace = tubePosition();\nvec3 objectNormal = tubeNormal;");
       shader.fragmentShader = shader.fragmentShader
         .replace("#include <common>", "#include <common>\nvarying vec3 tubeColour;")
         .replace("#include <color_fragment>", "diffuseColor.rgb *= pow(tubeColour, vec3(2.2));");
@@ -103,10 +105,11 @@ function joined(ranges: RowRange[]): RowRange[] {
 
 export class Tubes {
   isCoarse = false; // fewer sides, for a browser that draws slowly
+  isSmall = false; // fewest sides, for small pictures
   readonly mesh: Mesh<InstancedBufferGeometry, MeshStandardMaterial>;
   private readonly uniforms = { pixelScale: { value: 0 }, leastPixels: { value: 0.7 }, lowest: { value: new Vector2() } };
   private capacity = 0;
-  private sides = 0;
+  private shaped = ""; // sides and caps
   private readonly attributes: Record<string, InstancedBufferAttribute> = {};
 
   constructor() {
@@ -140,7 +143,9 @@ export class Tubes {
   update(geometry: Geometry, ranges: RowRange[]): void {
     const { segments } = geometry;
     const count = segments.count;
-    this.shape(count > VERY_MANY ? 4 : this.isCoarse || count > MANY ? 5 : count > 20_000 ? 6 : 10, count <= MANY && geometry.widths === "world");
+    const sides = this.isSmall || count > VERY_MANY ? 4 : this.isCoarse || count > MANY ? 5 : count > 20_000 ? 6 : 10;
+    const hasCaps = !this.isSmall && count <= MANY && geometry.widths === "world";
+    this.shape(sides, !hasCaps ? "none" : this.isCoarse ? "pointed" : "round");
     const isNew = this.reserve(count);
     const start = segments.column("Start");
     const end = segments.column("End");
@@ -194,13 +199,13 @@ export class Tubes {
     }
   }
 
-  private shape(sides: number, hasCaps: boolean): void {
-    const key = sides * 2 + (hasCaps ? 1 : 0);
-    if (this.sides === key) {
+  private shape(sides: number, caps: Caps): void {
+    const shape = `${sides} ${caps}`;
+    if (this.shaped === shape) {
       return;
     }
-    this.sides = key;
-    const { positions, index } = tube(sides, hasCaps);
+    this.shaped = shape;
+    const { positions, index } = tube(sides, caps);
     const { geometry } = this.mesh;
     geometry.setAttribute("ring", new BufferAttribute(positions, 4));
     // three.js counts the vertices of `position`
