@@ -59,21 +59,28 @@ class Pages(unittest.TestCase):
         self.assertNotIn(b"Three.js Authors", library)
 
 
+# of the tests of the studio, those that take no minutes in a browser without a graphics card
+SHORT = (
+    "panel|message|menu|specifications|same shape|set of them|control point|surface file|environment of a document|sliders are|a colour|differences leave|a frame that changes|a segment that goes|a gallery model grows|a slider that|"
+    "a model is written|no letter|a server with a token|axe finds|no page had")
+
+
 @unittest.skipUnless(PROGRAM, "Chromium is not installed (Debian: chromium)")
 class InABrowser(unittest.TestCase):
     @unittest.skipUnless(PLAYWRIGHT.is_dir(), "the packages of clients/web are not there (./dev build fetches them)")
     def test_the_studio(self) -> None:
+        self.run_studio(["--test-name-pattern", SHORT, "test/files.test.js", "test/plants.test.js", "test/studio.test.js"], 240)
+
+    @unittest.skipUnless(PLAYWRIGHT.is_dir(), "the packages of clients/web are not there (./dev build fetches them)")
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "hovers and drags take minutes: ./dev test --all long")
+    def test_long_the_whole_studio(self) -> None:
+        self.run_studio(sorted(str(path.relative_to(WEB)) for path in (WEB / "test").glob("*.test.js")), 3600)
+
+    def run_studio(self, tests: List[str], seconds: int) -> None:
         variables = {**os.environ, "ESPALIER_PROGRAM": program(), "ESPALIER_CHROMIUM": str(PROGRAM)}
-        # those that wait for hovers and drags take minutes there: ./dev test --all long runs them too
-        if os.environ.get("ESPALIER_LONG_TESTS") == "yes":
-            tests = sorted(str(path.relative_to(WEB)) for path in (WEB / "test").glob("*.test.js"))
-        else:
-            tests = ["--test-name-pattern", "panel|message|menu|specifications|same shape|set of them|control point|surface file|environment of a document|sliders are|a colour|differences leave|a frame that changes|a segment that goes|a gallery model grows|a slider that|"
-                     "a model is written|no letter|a server with a token|axe finds|no page had", "test/files.test.js", "test/plants.test.js", "test/studio.test.js"]
         # a browser without a graphics card stalls once in some runs: a mistake fails twice
-        patience = 3600 if os.environ.get("ESPALIER_LONG_TESTS") == "yes" else 240
         for _ in range(2):
-            tested = subprocess.run(["timeout", str(patience), "node", "--test", *tests], cwd=WEB, text=True, capture_output=True,
+            tested = subprocess.run(["timeout", str(seconds), "node", "--test", *tests], cwd=WEB, text=True, capture_output=True,
                                     check=False, stdin=subprocess.DEVNULL, env=variables)
             if tested.returncode == 0:
                 break

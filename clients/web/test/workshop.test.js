@@ -55,7 +55,7 @@ test("a control point of a surface is dragged: its line of the file changes, and
   });
   await shown(page);
   const original = await page.evaluate(() => studio.document.files["leaf.s"]);
-  const highest = () => page.evaluate(() => Math.max(...studio.view.geometry.vertices.column("Position").filter((_, i) => i % 3 === 1)));
+  const highest = () => page.evaluate(() => Math.max(...studio.view.plants.geometry.vertices.column("Position").filter((_, i) => i % 3 === 1)));
   const before = await highest();
   await page.click("text=leaf.s");
   await page.waitForSelector(".surface circle");

@@ -30,6 +30,7 @@ export class GpuClock {
   constructor(
     private readonly context: WebGL2RenderingContext,
     private readonly onSlow: () => void,
+    private readonly onReady: () => void,
   ) {}
 
   /** Whether the last picture is not ready yet. */
@@ -64,6 +65,7 @@ export class GpuClock {
       if (this.slow === SLOW_PICTURES) {
         this.onSlow();
       }
+      this.onReady();
     }, LOOK_MILLISECONDS);
   }
 

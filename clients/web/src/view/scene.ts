@@ -66,6 +66,7 @@ export class View {
   private fitted: Box3 | null = null;
   private first: Vector3 | null = null; // the direction to the viewer at the beginning
   private hasBackground = true;
+  private isComplete = false; // the first picture has neither shadows, ground nor sky: their programs take long to make
   private isDrawing = false;
   private readonly size = new Vector2(); // of the element
   private isTurned = false; // by a person, who does not want it turned back
@@ -78,10 +79,11 @@ export class View {
   ) {
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.clock = new GpuClock(this.renderer.getContext() as WebGL2RenderingContext, () => {
+    const slow = () => {
       this.plants.tubes.isCoarse = true;
       this.onSlow();
-    });
+    };
+    this.clock = new GpuClock(this.renderer.getContext() as WebGL2RenderingContext, slow, () => this.complete());
     this.renderer.shadowMap.type = PCFShadowMap;
     element.append(this.renderer.domElement);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
@@ -113,9 +115,10 @@ export class View {
   /** Takes new settings over. */
   apply(settings: ViewSettings): void {
     this.settings = settings;
-    this.renderer.shadowMap.enabled = settings.hasShadows;
-    this.sun.castShadow = settings.hasShadows;
-    this.scene.background = this.hasBackground ? backgroundTexture(settings.isDark) : null;
+    const hasShadows = settings.hasShadows && this.isComplete;
+    this.renderer.shadowMap.enabled = hasShadows;
+    this.sun.castShadow = hasShadows;
+    this.scene.background = this.hasBackground && this.isComplete ? backgroundTexture(settings.isDark) : null;
     this.ground.material.color = new Color(settings.isDark ? 0x39413a : 0xe9e7da);
     this.sky.intensity = settings.isDark ? 1.3 : 1.6;
     this.surroundings.group.visible = settings.hasSurroundings;
@@ -235,7 +238,18 @@ export class View {
     }
   }
 
+  /** The plant is seen. Now everything about it. */
+  private complete(): void {
+    if (!this.isComplete) {
+      this.isComplete = true;
+      this.apply(this.settings);
+    }
+  }
+
   drawNow(): void {
+    if (!this.isComplete && !this.plants.geometry && !this.other) {
+      return; // there is nothing to see yet
+    }
     const height = this.renderer.domElement.height || 1;
     this.plants.tubes.setPixelScale(((2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / height) * this.renderer.getPixelRatio());
     this.light();
@@ -261,7 +275,7 @@ export class View {
     // flat drawings, and plants below the ground, stand in the air
     const isStanding = hasPlant && size.z > 0.02 * radius && box.min.y > -0.05 * size.y && this.plants.geometry?.widths === "world";
     // it would cover what lies behind the canvas
-    this.ground.visible = this.settings.hasGround && this.hasBackground && isStanding;
+    this.ground.visible = this.settings.hasGround && this.hasBackground && this.isComplete && isStanding;
     this.ground.position.set(centre.x, Math.min(box.min.y, 0), centre.z);
     this.ground.scale.setScalar(4.5 * radius);
   }
@@ -470,6 +484,7 @@ export class View {
   }
 
   picture(): string {
+    this.complete();
     this.drawNow();
     return this.renderer.domElement.toDataURL("image/png");
   }
@@ -481,6 +496,7 @@ export class View {
     // then fit() keeps the direction
     this.fitted = new Box3();
     this.plants.tubes.isSmall = true;
+    this.isComplete = true;
     // one drawing is enough
     this.isDrawing = true;
     this.update(geometry, { ...change, isWhole: true }, 0, true);
