@@ -43,6 +43,26 @@ def said(answer: Dict[str, Any]) -> str:
     return str(answer["result"]["content"][0]["text"])
 
 
+def check_answers(case: unittest.TestCase, answers: Dict[str, Any]) -> None:
+    """What the tools answered to the official SDK, against the command line."""
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "model.l").write_text(MODEL, encoding="utf-8")
+        derived = espalier("derive", f"{folder}/model.l", "--steps", "3", "--quiet").stdout.strip()
+    case.assertEqual(answers["server"]["name"], "espalier")
+    case.assertEqual(answers["tools"], list(mcp_tools.TOOLS))
+    content = {name: answer["content"][0] for name, answer in answers.items() if isinstance(answer, dict) and "content" in answer}
+    case.assertIn("model.l:4:8: warning: this '[' is not closed", content["wrong"]["text"])
+    case.assertIn("The model is valid. Derivation length 4", content["check"]["text"])
+    case.assertEqual(json.loads(content["step"]["text"])["step"], 3)
+    case.assertEqual(content["string"]["text"], derived)
+    case.assertIn("Module 3: F", content["explain"]["text"])
+    picture = base64.b64decode(content["render"]["data"])
+    case.assertEqual((picture[:4], picture[16:24]), (b"\x89PNG", (120).to_bytes(4, "big") + (90).to_bytes(4, "big")))
+    case.assertEqual((answers["refused"]["isError"], content["refused"]["text"]), (True, "`steps` of step must be from 1 to 10000."))
+    case.assertTrue(answers["spawn"]["isError"])
+    case.assertEqual(answers["unknown"], {"code": -32602})
+
+
 class WithTheOfficialClient(unittest.TestCase):
     @unittest.skipUnless((SDK / "node_modules").is_dir() and shutil.which("node"), "the SDK is not installed: npm ci in tests/mcp")
     def test_a_plant_is_checked_grown_explained_drawn_and_read(self) -> None:
@@ -51,21 +71,7 @@ class WithTheOfficialClient(unittest.TestCase):
                                   check=True, env=variables(ESPALIER_PROGRAM=program()))
             self.assertEqual(list(Path(folder).iterdir()), [], "a host starts no commands")
             answers = json.loads(done.stdout)
-            (Path(folder) / "model.l").write_text(MODEL, encoding="utf-8")
-            derived = espalier("derive", f"{folder}/model.l", "--steps", "3", "--quiet").stdout.strip()
-        self.assertEqual(answers["server"]["name"], "espalier")
-        self.assertEqual(answers["tools"], list(mcp_tools.TOOLS))
-        content = {name: answer["content"][0] for name, answer in answers.items() if isinstance(answer, dict) and "content" in answer}
-        self.assertIn("model.l:4:8: warning: this '[' is not closed", content["wrong"]["text"])
-        self.assertIn("The model is valid. Derivation length 4", content["check"]["text"])
-        self.assertEqual(json.loads(content["step"]["text"])["step"], 3)
-        self.assertEqual(content["string"]["text"], derived)
-        self.assertIn("Module 3: F", content["explain"]["text"])
-        picture = base64.b64decode(content["render"]["data"])
-        self.assertEqual((picture[:4], picture[16:24]), (b"\x89PNG", (120).to_bytes(4, "big") + (90).to_bytes(4, "big")))
-        self.assertEqual((answers["refused"]["isError"], content["refused"]["text"]), (True, "`steps` of step must be from 1 to 10000."))
-        self.assertTrue(answers["spawn"]["isError"])
-        self.assertEqual(answers["unknown"], {"code": -32602})
+        check_answers(self, answers)
 
 
 class Hosts(unittest.TestCase):

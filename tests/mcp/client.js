@@ -1,11 +1,16 @@
-// The official SDK of the Model Context Protocol as a client of a command: node client.js COMMAND ARGUMENTS...
+// The official SDK of the Model Context Protocol as a client of a command, or of an address with the token ESPALIER_MCP_TOKEN:
+// node client.js COMMAND ARGUMENTS... | http://HOST:PORT/mcp
 // Standard output gets one JSON object with what the tools answered; the test in Python compares it.
 import { Client } from "@modelcontextprotocol/sdk/client/index.js";
 import { StdioClientTransport } from "@modelcontextprotocol/sdk/client/stdio.js";
+import { StreamableHTTPClientTransport } from "@modelcontextprotocol/sdk/client/streamableHttp.js";
 
 const [command, ...args] = process.argv.slice(2);
 const client = new Client({ name: "espalier-test", version: "1" });
-await client.connect(new StdioClientTransport({ command, args, env: process.env, stderr: "inherit" }));
+const transport = command.startsWith("http:")
+  ? new StreamableHTTPClientTransport(new URL(command), { requestInit: { headers: { Authorization: `Bearer ${process.env.ESPALIER_MCP_TOKEN}` } } })
+  : new StdioClientTransport({ command, args, env: process.env, stderr: "inherit" });
+await client.connect(transport);
 const call = (name, given = {}) => client.callTool({ name, arguments: given });
 
 const answers = { server: client.getServerVersion(), tools: (await client.listTools()).tools.map((tool) => tool.name) };
@@ -22,5 +27,6 @@ answers.refused = await call("step", { simulation, steps: -1 });
 answers.spawn = await call("create", { source, environment: [{ type: "stdio", command: "touch spawned" }] });
 answers.unknown = await call("nothing").catch((error) => ({ code: error.code }));
 await client.ping();
+await transport.terminateSession?.();
 await client.close();
 process.stdout.write(JSON.stringify(answers));

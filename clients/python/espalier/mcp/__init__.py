@@ -1,4 +1,5 @@
-"""Plants over the Model Context Protocol: `python3 -m espalier.mcp` speaks it on standard input and output (JSON-RPC, one message a line).
+"""Plants over the Model Context Protocol: `python3 -m espalier.mcp` speaks it on standard input and output (JSON-RPC, one message a line), or
+over HTTP with `--http`.
 
 A host of the protocol can check models, grow plants, explain steps, look at pictures and read states. It reaches no files and starts no
 commands: the module starts a private server without --allow-spawn and --allow-dial, or uses `--server` with the rights of a token.
@@ -12,6 +13,7 @@ import json
 import os
 import secrets
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -26,7 +28,7 @@ from ..local_server import private_folder
 from ..program import find_program
 from ..server import Server
 from ..version import VERSION
-from .tools import ANSWER_CHARACTERS, MODULES, PART_CHARACTERS, SECONDS, SIMULATIONS, TOOLS, Arguments, Unfit, fitting
+from .tools import ANSWER_CHARACTERS, MODULES, PART_CHARACTERS, SECONDS, SESSIONS, SIMULATIONS, TOOLS, Arguments, Unfit, fitting
 
 # newest first
 VERSIONS = ("2025-06-18", "2025-03-26", "2024-11-05")
@@ -70,6 +72,15 @@ class Tools:
             "check": self._check, "gallery": self._gallery, "environments": self._environments, "create": self._create,
             "step": self._step, "explain": self._explain, "render": self._render, "query": self._query, "delete": self._delete}
         return tools[name](arguments)
+
+    def close(self) -> None:
+        """Deletes the simulations that are left."""
+        for simulation in self._made:
+            try:
+                self._client.call("simulation.delete", {"simulation": simulation})
+            except EspalierError:
+                pass  # it is gone, or the server is
+        self._made.clear()
 
     def _ask(self, method: str, parameters: Mapping[str, Any]) -> Any:
         """A request that is given up when it takes too long."""
@@ -262,8 +273,8 @@ def serve(tools: Tools, source: IO[bytes], target: IO[bytes]) -> None:
             target.flush()
 
 
-def private_client(program: str, stack: ExitStack) -> Client:
-    """A client of a server of its own, which starts no commands, dials nobody, and is small."""
+def private_server(program: str, stack: ExitStack, simulations: int) -> Tuple[str, str]:
+    """A server of its own, which starts no commands, dials nobody, and is small: its address and token."""
     folder = private_folder()
     stack.callback(shutil.rmtree, folder, ignore_errors=True)
     token = secrets.token_hex(32)
@@ -271,25 +282,54 @@ def private_client(program: str, stack: ExitStack) -> Client:
     with open(os.open(token_file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
         file.write(token + "\n")
     server = stack.enter_context(Server(program, listen=f"unix:{folder}/socket", arguments=[
-        "--token-file", token_file, "--log-level", "warn", "--limit", f"simulations={SIMULATIONS}", "--limit", "memoryBytes=4000000000",
+        "--token-file", token_file, "--log-level", "warn", "--limit", f"simulations={simulations}", "--limit", "memoryBytes=4000000000",
         "--limit", f"callSeconds={SECONDS}"]))
-    return stack.enter_context(Client(server.address, name="mcp", token=token))
+    return server.address, token
+
+
+def first_line(file: Optional[str]) -> Optional[str]:
+    return Path(file).read_text(encoding="ascii").splitlines()[0] if file else None
+
+
+def serve_http(place: str, open_tools: Callable[[ExitStack], Tools], token: Optional[str]) -> None:
+    """Answers hosts over HTTP until it is interrupted."""
+    from .http import LOOPBACK, PATH, HttpServer
+
+    host, _, port = place.rpartition(":")
+    host = host.strip("[]")
+    if not (port.isdigit() and host and int(port) < 65536):
+        raise EspalierError(f"--http needs HOST:PORT, and found '{place}'.")
+    if token is None and host not in LOOPBACK:
+        raise EspalierError("Other machines could reach the tools: give --http-token-file FILE, or listen on 127.0.0.1.")
+    with HttpServer((host, int(port)), open_tools, token) as server:
+        shown = f"[{host}]" if ":" in host else host
+        print(f"MCP on http://{shown}:{server.server_address[1]}{PATH}", flush=True)
+        server.serve_forever()
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    parser = argparse.ArgumentParser(prog="python3 -m espalier.mcp", description="Speaks the Model Context Protocol on standard input and output.")
+    parser = argparse.ArgumentParser(prog="python3 -m espalier.mcp",
+                                     description="Speaks the Model Context Protocol on standard input and output, or over HTTP.")
     parser.add_argument("--server", metavar="ADDRESS", help="a running server, as HOST:PORT or unix:PATH; without it a private one is started")
     parser.add_argument("--token-file", metavar="FILE", help="the token for --server, in the first line; its role bounds the tools")
+    parser.add_argument("--http", metavar="HOST:PORT", help="listen here instead (Streamable HTTP); port 0 takes a free one and prints it")
+    parser.add_argument("--http-token-file", metavar="FILE", help="the token that hosts need, in the first line; needed beyond this machine")
     options = parser.parse_args(arguments)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     with ExitStack() as stack:
         try:
             program = find_program()
-            if options.server is None:
-                client = private_client(program, stack)
+            address, token = options.server, first_line(options.token_file)
+            if address is None:
+                address, token = private_server(program, stack, SIMULATIONS * (SESSIONS if options.http else 1))
+
+            def open_tools(stack: ExitStack) -> Tools:
+                return Tools(stack.enter_context(Client(address, name="mcp", token=token)), program)
+
+            if options.http:
+                serve_http(options.http, open_tools, first_line(options.http_token_file))
             else:
-                token = Path(options.token_file).read_text(encoding="ascii").splitlines()[0] if options.token_file else None
-                client = stack.enter_context(Client(options.server, name="mcp", token=token))
-            serve(Tools(client, program), sys.stdin.buffer, sys.stdout.buffer)
+                serve(open_tools(stack), sys.stdin.buffer, sys.stdout.buffer)
         except (EspalierError, OSError, IndexError, UnicodeError) as error:
             print(f"espalier.mcp: {error or 'the token file is empty'}", file=sys.stderr)
             return 1

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any, Dict, Mapping, Tuple
 
 SECONDS = 30  # of a call; hosts wait for a minute
-SIMULATIONS = 16
+SIMULATIONS = 16  # of a session
+SESSIONS = 8  # over HTTP
 MODULES = 2_000_000  # of a simulation
 SOURCE_CHARACTERS = 1_000_000
 ANSWER_CHARACTERS = 50_000

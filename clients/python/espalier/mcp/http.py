@@ -1,0 +1,202 @@
+"""The Streamable HTTP transport of the Model Context Protocol (2025-06-18): each POST to /mcp has one message and one answer in JSON. There
+are no streams of the server's own. A session holds its simulations until DELETE, or until others need its place.
+"""
+
+from __future__ import annotations
+
+import hmac
+import json
+import secrets
+import socket
+import threading
+from collections import OrderedDict
+from contextlib import ExitStack
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any, Callable, Dict, Optional, Tuple
+from urllib.parse import urlsplit
+
+from . import INVALID_REQUEST, LINE_BYTES, VERSIONS, Conversation, Tools
+from .tools import SESSIONS
+
+PATH = "/mcp"
+CONNECTIONS = 32
+IDLE_SECONDS = 60.0  # of a connection
+LOOPBACK = ("127.0.0.1", "::1", "localhost")
+
+
+class Session:
+    """The conversation of one host. One message at a time."""
+
+    def __init__(self, open_tools: Callable[[ExitStack], Tools]) -> None:
+        self._lock = threading.Lock()
+        self._stack = ExitStack()
+        tools = open_tools(self._stack)
+        self._stack.callback(tools.close)
+        self._conversation = Conversation(tools)
+
+    def answer(self, message: bytes) -> Optional[Dict[str, Any]]:
+        with self._lock:
+            return self._conversation.answer(message)
+
+    def close(self) -> None:
+        with self._lock:
+            self._stack.close()
+
+
+class HttpServer(ThreadingHTTPServer):
+    """Listens on `address`. `open_tools` makes the tools of a session and puts what they need on a stack. With a token each request needs it."""
+
+    daemon_threads = True
+    request_queue_size = 128
+
+    def __init__(self, address: Tuple[str, int], open_tools: Callable[[ExitStack], Tools], token: Optional[str] = None) -> None:
+        self.address_family = socket.AF_INET6 if ":" in address[0] else socket.AF_INET
+        self.token = token
+        self._open_tools = open_tools
+        self._sessions: "OrderedDict[str, Session]" = OrderedDict()  # the one used last at the end
+        self._lock = threading.Lock()
+        self._places = threading.BoundedSemaphore(CONNECTIONS)
+        super().__init__(address, Handler)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        if self._places.acquire(blocking=False):
+            super().process_request(request, client_address)
+        else:
+            self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._places.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A host that leaves, or sends nothing for long, ends its connection."""
+
+    def open_session(self) -> Tuple[str, Session]:
+        identifier, session, left = secrets.token_hex(16), Session(self._open_tools), None
+        with self._lock:
+            if len(self._sessions) >= SESSIONS:
+                _, left = self._sessions.popitem(last=False)
+            self._sessions[identifier] = session
+        if left is not None:
+            left.close()
+        return identifier, session
+
+    def session(self, identifier: str) -> Optional[Session]:
+        with self._lock:
+            if identifier in self._sessions:
+                self._sessions.move_to_end(identifier)
+            return self._sessions.get(identifier)
+
+    def end_session(self, identifier: str) -> bool:
+        with self._lock:
+            session = self._sessions.pop(identifier, None)
+        if session is not None:
+            session.close()
+        return session is not None
+
+    def server_close(self) -> None:
+        super().server_close()
+        for identifier in list(self._sessions):
+            self.end_session(identifier)
+
+
+class Handler(BaseHTTPRequestHandler):
+    server: HttpServer
+    protocol_version = "HTTP/1.1"
+    timeout = IDLE_SECONDS
+
+    def version_string(self) -> str:
+        return "espalier"
+
+    def log_message(self, format: str, *arguments: Any) -> None:
+        pass
+
+    def do_POST(self) -> None:
+        if not self._is_allowed():
+            return
+        length = self.headers.get("Content-Length", "")
+        if not (length.isascii() and length.isdigit()):
+            self._refuse(411, "Say how long the message is: Content-Length.")
+        elif len(length) > 9 or int(length) > LINE_BYTES:
+            self._refuse(413, f"A message has {LINE_BYTES} bytes at most.")
+        elif self.headers.get_content_type() != "application/json":
+            self._refuse(415, "Send one message of JSON-RPC with Content-Type: application/json.")
+        else:
+            self._answer(self.rfile.read(int(length)))
+
+    def _answer(self, body: bytes) -> None:
+        named = self.headers.get("Mcp-Session-Id")
+        if named is None and not is_initialize(body):
+            self._refuse(400, "Send initialize first, and then the Mcp-Session-Id of its answer with every request.", is_kept=True)
+            return
+        identifier, session = (named, self.server.session(named)) if named is not None else self.server.open_session()
+        if session is None:
+            self._refuse(404, "The session has ended. Send initialize again.", is_kept=True)
+            return
+        answer = session.answer(body)
+        # escaped: half of a character pair cannot be written as UTF-8
+        self._send(202 if answer is None else 200, b"" if answer is None else json.dumps(answer).encode(),
+                   {"Mcp-Session-Id": identifier} if named is None else {})
+
+    def do_DELETE(self) -> None:
+        if self._is_allowed():
+            if self.server.end_session(self.headers.get("Mcp-Session-Id", "")):
+                self._send(204, b"")
+            else:
+                self._refuse(404, "There is no session of that Mcp-Session-Id.")
+
+    def do_GET(self) -> None:
+        if self._is_allowed():
+            self._refuse(405, "This server begins no streams. POST one message.", {"Allow": "POST, DELETE"})
+
+    do_PUT = do_HEAD = do_PATCH = do_OPTIONS = do_GET
+
+    def _is_allowed(self) -> bool:
+        """Whether the request may come from where it comes. Otherwise it is answered."""
+        origin, version = self.headers.get("Origin"), self.headers.get("MCP-Protocol-Version")
+        if self.path.split("?")[0] != PATH:
+            self._refuse(404, f"The Model Context Protocol is at {PATH}.")
+        elif origin is not None and not is_of_this_machine(origin):
+            # a page elsewhere may have led a browser here (DNS rebinding)
+            self._refuse(403, "Pages of other machines may not connect.")
+        elif self.server.token is not None and not hmac.compare_digest(
+                self.headers.get("Authorization", "").encode(), f"Bearer {self.server.token}".encode()):
+            self._refuse(401, "This server needs its token: Authorization: Bearer TOKEN.", {"WWW-Authenticate": "Bearer"})
+        elif version is not None and version not in VERSIONS:
+            self._refuse(400, f"MCP-Protocol-Version must be one of {', '.join(VERSIONS)}.")
+        else:
+            return True
+        return False
+
+    def _refuse(self, status: int, message: str, headers: Optional[Dict[str, str]] = None, *, is_kept: bool = False) -> None:
+        """Answers with an error. Unless the body has been read, nothing more can be read from the connection."""
+        self.close_connection = self.close_connection or not is_kept
+        answer = {"jsonrpc": "2.0", "id": None, "error": {"code": INVALID_REQUEST, "message": message}}
+        self._send(status, json.dumps(answer).encode(), headers or {})
+
+    def _send(self, status: int, body: bytes, headers: Optional[Dict[str, str]] = None) -> None:
+        self.send_response(status)
+        sent = {**(headers or {}), **({"Connection": "close"} if self.close_connection else {}),
+                **({"Content-Type": "application/json"} if body else {}), **({} if status == 204 else {"Content-Length": str(len(body))})}
+        for name, value in sent.items():
+            self.send_header(name, value)
+        self.end_headers()
+        if self.command != "HEAD":
+            self.wfile.write(body)
+
+
+def is_initialize(body: bytes) -> bool:
+    try:
+        message = json.loads(body)
+    except (ValueError, RecursionError):
+        return False
+    return isinstance(message, dict) and message.get("method") == "initialize" and "id" in message
+
+
+def is_of_this_machine(origin: str) -> bool:
+    try:
+        return urlsplit(origin).hostname in LOOPBACK
+    except ValueError:
+        return False

@@ -1,0 +1,162 @@
+"""`python3 -m espalier.mcp --http`: the official SDK over HTTP, several hosts at once, and requests that are not answered."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import shutil
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Optional, Tuple
+
+from support import SECONDS, Process, program, variables
+from test_mcp import COMMAND, MODEL, SDK, call, check_answers, request, said
+
+from espalier.mcp import tools as mcp_tools
+
+TOKEN = "a-token-of-this-test"
+JSON = {"Content-Type": "application/json"}
+
+
+class OverHttp(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = Path(self.folder())
+        (folder / "token").write_text(TOKEN + "\n", encoding="ascii")
+        self.process = Process([*COMMAND, "--http", "127.0.0.1:0", "--http-token-file", str(folder / "token")],
+                               ESPALIER_PROGRAM=program())
+        self.addCleanup(self.process.stop)
+        self.url = self.process.first_line.split("MCP on ")[1]
+        self.port = int(self.url.split(":")[2].split("/")[0])
+
+    def folder(self) -> str:
+        made = tempfile.TemporaryDirectory()
+        self.addCleanup(made.cleanup)
+        return made.name
+
+    def send(self, method: str = "POST", message: Any = None, *, path: str = "/mcp", session: Optional[str] = None,
+             headers: Optional[Mapping[str, str]] = None, token: str = TOKEN) -> Tuple[int, Any, Dict[str, str]]:
+        """Status, answer and headers."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=SECONDS)
+        try:
+            sent = {**JSON, "Authorization": f"Bearer {token}", **({"Mcp-Session-Id": session} if session else {}), **(headers or {})}
+            body = message if isinstance(message, bytes) or message is None else json.dumps(message).encode()
+            connection.request(method, path, body, sent)
+            answer = connection.getresponse()
+            content = answer.read()
+            return answer.status, json.loads(content) if content else None, dict(answer.getheaders())
+        finally:
+            connection.close()
+
+    def begin(self) -> str:
+        status, answer, headers = self.send(message=request(1, "initialize", protocolVersion="2025-06-18"))
+        self.assertEqual((status, answer["result"]["protocolVersion"]), (200, "2025-06-18"))
+        session = headers["Mcp-Session-Id"]
+        self.assertEqual(self.send(message={"jsonrpc": "2.0", "method": "notifications/initialized"}, session=session)[:2], (202, None))
+        return session
+
+    @unittest.skipUnless((SDK / "node_modules").is_dir() and shutil.which("node"), "the SDK is not installed: npm ci in tests/mcp")
+    def test_a_plant_is_checked_grown_explained_drawn_and_read(self) -> None:
+        done = subprocess.run(["node", str(SDK / "client.js"), self.url], capture_output=True, text=True, timeout=SECONDS, check=True,
+                              env=variables(ESPALIER_MCP_TOKEN=TOKEN))
+        check_answers(self, json.loads(done.stdout))
+
+    def test_each_session_has_its_plants_and_they_end_with_it(self) -> None:
+        sessions = [self.begin(), self.begin()]
+        for session in sessions:
+            for number in range(mcp_tools.SIMULATIONS + 1):
+                _, answer, _ = self.send(message=call(number, "create", source=MODEL, seed=number), session=session)
+            self.assertIn("Call `delete` for one", said(answer))
+        self.assertEqual(self.send("DELETE", session=sessions[0])[0], 204)
+        self.assertEqual(self.send("DELETE", session=sessions[0])[0], 404)
+        status, answer, _ = self.send(message=request(1, "ping"), session=sessions[0])
+        self.assertEqual((status, answer["error"]["message"]), (404, "The session has ended. Send initialize again."))
+        self.assertEqual(self.send(message=request(1, "ping"), session=sessions[1])[1]["result"], {})
+        # more sessions than there are places: the one used least recently ends; its plants would fill the server
+        for _ in range(mcp_tools.SESSIONS):
+            session = self.begin()
+            for number in range(mcp_tools.SIMULATIONS):
+                _, answer, _ = self.send(message=call(number, "create", source=MODEL, seed=number), session=session)
+                self.assertFalse(answer["result"]["isError"], answer)
+        self.assertEqual(self.send(message=request(1, "ping"), session=sessions[1])[0], 404)
+
+    def test_hosts_at_once_get_their_own_answers(self) -> None:
+        found: List[str] = []
+
+        def grow(steps: int) -> None:
+            session = self.begin()
+            made = json.loads(said(self.send(message=call(1, "create", source=MODEL, seed=1), session=session)[1]))["simulation"]
+            self.send(message=call(2, "step", simulation=made, steps=steps), session=session)
+            found.append(said(self.send(message=call(3, "query", simulation=made, what="string"), session=session)[1]))
+
+        threads = [threading.Thread(target=grow, args=(1 + number % 2,)) for number in range(6)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(SECONDS)
+        self.assertEqual(sorted(found), ["F[+A]A"] * 3 + ["F[+F[+A]A]F[+A]A"] * 3)
+
+    def test_what_may_not_connect_is_told_why(self) -> None:
+        first = request(1, "initialize")
+        cases: List[Tuple[int, str, Dict[str, Any]]] = [
+            (401, "needs its token", dict(message=first, token="wrong")),
+            (401, "needs its token", dict(message=first, token="")),
+            (403, "other machines", dict(message=first, headers={"Origin": "http://evil.example"})),
+            (403, "other machines", dict(message=first, headers={"Origin": "null"})),
+            (404, "is at /mcp", dict(message=first, path="/")),
+            (405, "begins no streams", dict(method="GET", message=None)),
+            (400, "Send initialize first", dict(message=request(1, "ping"))),
+            (400, "Send initialize first", dict(message=b"[" * 100_000)),
+            (400, "Send initialize first", dict(message=b"\xff\xfe")),
+            (404, "session has ended", dict(message=request(1, "ping"), session="0" * 32)),
+            (400, "MCP-Protocol-Version", dict(message=first, headers={"MCP-Protocol-Version": "1999-01-01"})),
+            (413, "4000000 bytes", dict(message=b"", headers={"Content-Length": "4000001"})),
+            (413, "4000000 bytes", dict(message=b"", headers={"Content-Length": "9" * 30})),
+            (411, "Content-Length", dict(message=b"", headers={"Content-Length": "-1"})),
+            (415, "application/json", dict(message=first, headers={"Content-Type": "text/plain"}))]
+        for status, words, parameters in cases:
+            with self.subTest(words=words, parameters=str(parameters)[:100]):
+                found, answer, _ = self.send(**{"method": "POST", **parameters})
+                self.assertEqual(found, status, answer)
+                self.assertIn(words, answer["error"]["message"])
+        self.assertEqual(self.send(message=first, headers={"Origin": "http://localhost:3000"})[0], 200)
+
+    def test_connections_that_say_nothing_do_not_keep_others_out_for_long(self) -> None:
+        silent = [socket.create_connection(("127.0.0.1", self.port)) for _ in range(60)]
+        for one in silent:
+            one.close()
+        end = time.monotonic() + SECONDS
+        while True:
+            try:
+                self.begin()
+                break
+            except OSError:
+                self.assertLess(time.monotonic(), end)
+                time.sleep(0.1)
+
+    def test_it_ends_with_its_server(self) -> None:
+        session = self.begin()
+        self.send(message=call(1, "create", source=MODEL, seed=1), session=session)
+        processes = subprocess.run(["ps", "-o", "pid=", "--ppid", str(self.process.process.pid)], capture_output=True, text=True, check=True)
+        children = processes.stdout.split()
+        self.assertEqual(len(children), 1)
+        self.process.process.terminate()
+        self.assertEqual(self.process.wait(), 143)
+        self.assertFalse(Path(f"/proc/{children[0]}").exists())
+
+
+class Options(unittest.TestCase):
+    def test_a_place_that_others_reach_needs_a_token(self) -> None:
+        for place, words in (("0.0.0.0:0", "--http-token-file"), ("127.0.0.1", "HOST:PORT"), (":80", "HOST:PORT"), ("127.0.0.1:99999", "HOST:PORT")):
+            done = subprocess.run([*COMMAND, "--http", place], capture_output=True, text=True, timeout=SECONDS, check=False,
+                                  env=variables(ESPALIER_PROGRAM=program()), stdin=subprocess.DEVNULL)
+            self.assertEqual((done.returncode, done.stdout), (1, ""), place)
+            self.assertIn(words, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
