@@ -1,12 +1,39 @@
 #include "environment/hydraulics/rhizosphere.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "engine/core/elementary.h"
 
 namespace espalier::environment {
+
+namespace {
+
+constexpr std::size_t kMostReach = 10;
+
+/// For each reach the mean over all pairs of (2·reach + 1)² cells of the logarithm of their distance in sides.
+const std::array<double, kMostReach + 1>& logDistances() {
+  static const std::array<double, kMostReach + 1> distances = [] {
+    std::array<double, kMostReach + 1> means{};
+    for (std::size_t reach = 0; reach <= kMostReach; ++reach) {
+      const auto count = static_cast<int>(2 * reach + 1);
+      double sum = 0.0;
+      for (int x = 1 - count; x < count; ++x) {
+        for (int y = 1 - count; y < count; ++y) {
+          const double distance = x == 0 && y == 0 ? 0.198 : std::sqrt(static_cast<double>(x * x + y * y));
+          sum += (count - std::abs(x)) * (count - std::abs(y)) * core::log(distance);
+        }
+      }
+      means[reach] = sum / (static_cast<double>(count) * count * count * count);
+    }
+    return means;
+  }();
+  return distances;
+}
+
+}  // namespace
 
 double annulusFactor(double ratio) {
   const double x = ratio * ratio - 1.0;
@@ -18,8 +45,14 @@ double annulusFactor(double ratio) {
   return square * square * core::log(ratio) / (x * x) + (1.0 - 3.0 * square) / (4.0 * x);
 }
 
-double cellFactor(double side, double radius) {
-  return std::max(core::log(0.198 * side / radius), 0.0);
+CellFactor cellFactor(double side, double radius) {
+  for (std::size_t reach = 0; reach <= kMostReach; ++reach) {
+    const double factor = core::log(side / radius) + logDistances()[reach];
+    if (factor > 0.0) {
+      return {reach, factor};
+    }
+  }
+  return {kMostReach, 0.0};
 }
 
 SoilPoint soilPointAt(const FluxPotential& potential, double head) {

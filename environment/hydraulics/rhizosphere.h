@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #include "environment/soil/flux_potential.h"
 
 namespace espalier::environment {
@@ -9,9 +11,15 @@ namespace espalier::environment {
 /// `ratio` times its radius, and Φ(cell) is the mean over that soil (Schröder et al., Vadose Zone Journal 7, 2008).
 [[nodiscard]] double annulusFactor(double ratio);
 
-/// The same for a cell that is smaller than the soil which a root drains, so that water enters through its faces:
-/// ln(0.198 side/radius) (Peaceman, Society of Petroleum Engineers Journal 18, 1978); 0 when the root fills the cell.
-[[nodiscard]] double cellFactor(double side, double radius);
+/// The same for cells that are smaller than the soil which a root drains, so that water enters through their faces.
+struct CellFactor {
+  std::size_t reach = 0;  // cells up to so many to each side of the root share the uptake equally, and Φ is their mean
+  double factor = 0.0;    // g; 0 when the root fills all of them
+};
+/// Of one cell g = ln(0.198 side/radius) (Peaceman, Society of Petroleum Engineers Journal 18, 1978), where 0.198 sides
+/// are the distance at which the soil has the cell's head. A root that is wider takes from as many cells as have a
+/// larger distance of that kind: its logarithm is the mean over all pairs of cells of the logarithm of theirs.
+[[nodiscard]] CellFactor cellFactor(double side, double radius);
 
 /// What a unit of root length takes up, and how it changes.
 struct RootUptake {

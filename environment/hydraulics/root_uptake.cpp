@@ -47,43 +47,77 @@ void WaterSums::add(const PlantWater::Result& result, const std::vector<Hydrauli
 }
 
 RootUptakeFromSoil::RootUptakeFromSoil(PlantWater& plants, SoilBody& soil, const std::vector<core::Vec3>& middles,
-                                       bool hasRhizosphere)
-    : plants_(&plants), soil_(&soil), cellOf_(middles.size(), -1), above_(middles.size(), 0.0) {
+                                       const std::vector<std::uint8_t>& axes, bool hasRhizosphere)
+    : plants_(&plants), soil_(&soil) {
   const RichardsSolver& water = soil.water();
   std::vector<double> lengths(water.cellCount(), 0.0);  // of the roots in each cell
   auto& nodes = plants.nodes();
+  std::vector<std::optional<std::size_t>> cellOf(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (nodes[i].parent == HydraulicTree::kNoParent) {
       continue;
     }
-    if (const auto cell = soil.cellOf(middles[i])) {
-      cellOf_[i] = static_cast<std::int64_t>(*cell);
-      above_[i] = soil.ground().heightOf(soil.ground().middleOf(*cell)) - soil.ground().heightOf(middles[i]);
-      lengths[*cell] += nodes[i].radialConductivity > 0.0 ? nodes[i].length : 0.0;
+    cellOf[i] = soil.cellOf(middles[i]);
+    if (cellOf[i]) {
+      lengths[*cellOf[i]] += nodes[i].radialConductivity > 0.0 ? nodes[i].length : 0.0;
     } else {
       nodes[i].radialConductivity = 0.0;
     }
   }
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (!hasRhizosphere || cellOf_[i] < 0 || !(nodes[i].radialConductivity > 0.0)) {
+    firstShare_.push_back(shares_.size());
+    if (!cellOf[i]) {
       continue;
     }
-    const auto cell = static_cast<std::size_t>(cellOf_[i]);
-    const double a = nodes[i].radius;
-    const double volume = water.cellVolume(cell);
-    // all roots of the cell share it
-    const double ratio = std::sqrt(volume / (std::numbers::pi * lengths[cell]) / (a * a) + 1.0);
-    const double spacing = 1.0 / std::sqrt(soil.ground().meanAround(cell, lengths) / volume);
-    const double side = core::pow(volume, 1.0 / 3.0);
-    plants.soils()[i] = {&water.potentialOf(cell), side < 0.5 * spacing ? cellFactor(side, a) : annulusFactor(ratio)};
+    const std::size_t cell = *cellOf[i];
+    std::size_t reach = 0;
+    if (hasRhizosphere && nodes[i].radialConductivity > 0.0) {
+      const double a = nodes[i].radius;
+      const double volume = water.cellVolume(cell);
+      const double spacing = 1.0 / std::sqrt(soil.ground().meanAround(cell, lengths) / volume);
+      const double side = soil.ground().sideAcross(cell, axes[i]);
+      plants.soils()[i].potential = &water.potentialOf(cell);
+      if (side < 0.5 * spacing) {
+        const CellFactor found = cellFactor(side, a);
+        plants.soils()[i].factor = found.factor;
+        reach = found.reach;
+      } else {
+        // all roots of the cell share it
+        const double ratio = std::sqrt(volume / (std::numbers::pi * lengths[cell]) / (a * a) + 1.0);
+        plants.soils()[i].factor = annulusFactor(ratio);
+      }
+    }
+    addShares(cell, reach, middles[i], axes[i]);
+  }
+  firstShare_.push_back(shares_.size());
+}
+
+/// Shares the uptake of a segment among the soil around it, by volume.
+void RootUptakeFromSoil::addShares(std::size_t cell, std::size_t reach, const core::Vec3& middle, std::uint8_t axis) {
+  const Ground& ground = soil_->ground();
+  const std::size_t first = shares_.size();
+  double volume = 0.0;
+  for (const std::size_t one : ground.cellsAcross(cell, reach, axis)) {
+    if (soil_->water().isSoil(one)) {
+      const double own = soil_->water().cellVolume(one);
+      shares_.push_back({one, own, ground.heightOf(ground.middleOf(one)) - ground.heightOf(middle)});
+      volume += own;
+    }
+  }
+  for (std::size_t i = first; i < shares_.size(); ++i) {
+    shares_[i].part /= volume;
   }
 }
 
 bool RootUptakeFromSoil::takeAt(const std::vector<double>& heads, double days, std::vector<double>& sinks,
                                 std::vector<double>& byHead) {
-  for (std::size_t i = 0; i < cellOf_.size(); ++i) {
-    if (cellOf_[i] >= 0) {
-      plants_->nodes()[i].soilHead = heads[static_cast<std::size_t>(cellOf_[i])] + above_[i];
+  for (std::size_t i = 0; i + 1 < firstShare_.size(); ++i) {
+    double head = 0.0;
+    for (const Share& share : sharesOf(i)) {
+      head += share.part * (heads[share.cell] + share.above);
+    }
+    if (!sharesOf(i).empty()) {
+      plants_->nodes()[i].soilHead = head;
     }
   }
   auto result = plants_->solve(collars_(soil_->day(), soil_->day() + days));
@@ -94,24 +128,26 @@ bool RootUptakeFromSoil::takeAt(const std::vector<double>& heads, double days, s
   last_ = std::move(*result);
   std::fill(sinks.begin(), sinks.end(), 0.0);
   std::fill(byHead.begin(), byHead.end(), 0.0);
-  for (std::size_t i = 0; i < cellOf_.size(); ++i) {
-    if (cellOf_[i] >= 0) {
-      sinks[static_cast<std::size_t>(cellOf_[i])] += last_.flow.uptakes[i];
-      byHead[static_cast<std::size_t>(cellOf_[i])] += plants_->bySoilHead()[i];
+  for (std::size_t i = 0; i + 1 < firstShare_.size(); ++i) {
+    for (const Share& share : sharesOf(i)) {
+      sinks[share.cell] += share.part * last_.flow.uptakes[i];
+      byHead[share.cell] += share.part * share.part * plants_->bySoilHead()[i];
     }
   }
   return true;
 }
 
 void RootUptakeFromSoil::addChange(const std::vector<double>& headChanges, std::vector<double>& sinkChanges) const {
-  std::vector<double> heads(cellOf_.size(), 0.0);
-  for (std::size_t i = 0; i < cellOf_.size(); ++i) {
-    heads[i] = cellOf_[i] >= 0 ? headChanges[static_cast<std::size_t>(cellOf_[i])] : 0.0;
+  std::vector<double> heads(firstShare_.size() - 1, 0.0);
+  for (std::size_t i = 0; i < heads.size(); ++i) {
+    for (const Share& share : sharesOf(i)) {
+      heads[i] += share.part * headChanges[share.cell];
+    }
   }
   const std::vector<double> uptakes = plants_->changeOf(last_, heads);
-  for (std::size_t i = 0; i < cellOf_.size(); ++i) {
-    if (cellOf_[i] >= 0) {
-      sinkChanges[static_cast<std::size_t>(cellOf_[i])] += uptakes[i];
+  for (std::size_t i = 0; i < uptakes.size(); ++i) {
+    for (const Share& share : sharesOf(i)) {
+      sinkChanges[share.cell] += share.part * uptakes[i];
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,10 @@ struct WaterSums {
 /// end. Newton's method solves soil and plants together, so what the plants take is what leaves the cells.
 class RootUptakeFromSoil final : public RichardsSolver::Uptake {
  public:
-  /// `middles` are those of the nodes' segments (nodes). Both references must outlive the object.
-  RootUptakeFromSoil(PlantWater& plants, SoilBody& soil, const std::vector<core::Vec3>& middles, bool hasRhizosphere);
+  /// `middles` are those of the nodes' segments, `axes` the world axes along which they run most (nodes). Both
+  /// references must outlive the object.
+  RootUptakeFromSoil(PlantWater& plants, SoilBody& soil, const std::vector<core::Vec3>& middles,
+                     const std::vector<std::uint8_t>& axes, bool hasRhizosphere);
 
   struct Limits {
     double longestStep = 1.0 / 48.0;  // days
@@ -42,10 +45,21 @@ class RootUptakeFromSoil final : public RichardsSolver::Uptake {
   void addChange(const std::vector<double>& headChanges, std::vector<double>& sinkChanges) const override;
 
  private:
+  /// A part of what a segment takes up, and the cell that gives it.
+  struct Share {
+    std::size_t cell = 0;
+    double part = 1.0;
+    double above = 0.0;  // height of the cell's middle above that of the segment, length
+  };
+  [[nodiscard]] std::span<const Share> sharesOf(std::size_t node) const {
+    return std::span(shares_).subspan(firstShare_[node], firstShare_[node + 1] - firstShare_[node]);
+  }
+  void addShares(std::size_t cell, std::size_t reach, const core::Vec3& middle, std::uint8_t axis);
+
   PlantWater* plants_;
   SoilBody* soil_;
-  std::vector<std::int64_t> cellOf_;  // of each node's segment, −1: not in soil (nodes)
-  std::vector<double> above_;         // height of a cell's middle above that of the segment, length (nodes)
+  std::vector<Share> shares_;
+  std::vector<std::size_t> firstShare_;  // of each node's segment, none outside the soil (nodes + 1)
   CollarsBetween collars_;
   PlantWater::Result last_;  // of takeAt()
   double plantError_ = 0.0;  // part of the flow that was wrong when the last takeAt() failed, or 0

@@ -61,6 +61,7 @@ struct SegmentTraits {
 struct Plants {
   std::vector<std::uint32_t> first;  // first node of the tree for each node of PlantTrees, and the end
   std::vector<Vec3> middles;         // of the segments of the tree's nodes (nodes of the tree)
+  std::vector<std::uint8_t> axes;    // world axes along which those run most (nodes of the tree)
   std::vector<HydraulicTree::Node> nodes;
 };
 
@@ -362,6 +363,7 @@ class Xylem final : public turtle::EnvironmentProcess {
     Plants plants;
     plants.first.reserve(trees.nodes().size() + 1);
     plants.middles.reserve(trees.nodes().size());
+    plants.axes.reserve(trees.nodes().size());
     plants.nodes.reserve(trees.nodes().size());
     for (std::size_t i = 0; i < trees.nodes().size(); ++i) {
       const PlantTrees::Node& from = trees.nodes()[i];
@@ -372,10 +374,13 @@ class Xylem final : public turtle::EnvironmentProcess {
       if (from.parent == PlantTrees::kNone) {
         plants.nodes.push_back(node);
         plants.middles.push_back(from.place);
+        plants.axes.push_back(0);
         continue;
       }
       const Vec3& start = trees.nodes()[from.parent].place;
       const Vec3 way = from.place - start;
+      const Vec3 size{std::abs(way.x), std::abs(way.y), std::abs(way.z)};
+      const std::uint8_t axis = size.z > std::max(size.x, size.y) ? 2 : size.y > size.x ? 1 : 0;
       const double parts = std::max(1.0, std::ceil(core::length(way) / longest - 1e-9));
       if (!(parts + static_cast<double>(plants.nodes.size()) < static_cast<double>(kMostNodes))) {
         return tl::unexpected(failure("cuts segments where they cross cells of soil, which makes more than " +
@@ -400,6 +405,7 @@ class Xylem final : public turtle::EnvironmentProcess {
         node.demand = part + 1.0 == parts ? traits[i].demand : 0.0;
         plants.nodes.push_back(node);
         plants.middles.push_back(middle);
+        plants.axes.push_back(axis);
         node.parent = static_cast<std::uint32_t>(plants.nodes.size() - 1);
       }
     }
@@ -452,7 +458,7 @@ class Xylem final : public turtle::EnvironmentProcess {
       if (auto problem = soil_->problemOfWeather("xylem", days_)) {
         return problem;
       }
-      RootUptakeFromSoil uptake(water, *soil_, plants.middles, keys_.hasRhizosphere);
+      RootUptakeFromSoil uptake(water, *soil_, plants.middles, plants.axes, keys_.hasRhizosphere);
       const auto problem = uptake.passTime(days_, keys_.limits, collars, sums);
       return problem
                  ? std::optional(failure(*problem + ". Use shorter steps ('longestStep'), larger cells, or a higher "

@@ -130,6 +130,35 @@ double Ground::meanAround(std::size_t cell, const std::vector<double>& amounts) 
   return amount * heights_[place[2]] / height;
 }
 
+double Ground::sideAcross(std::size_t cell, std::size_t worldAxis) const {
+  double area = 1.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double side = axis == 2 ? heights_[cell / (counts_[0] * counts_[1])] : sizes_[axis];
+    area *= static_cast<std::size_t>(axis_[axis]) == worldAxis ? 1.0 : side;
+  }
+  return std::sqrt(area);
+}
+
+std::vector<std::size_t> Ground::cellsAcross(std::size_t cell, std::size_t reach, std::size_t worldAxis) const {
+  const std::array<std::size_t, 3> place{cell / counts_[1] % counts_[0], cell % counts_[1],
+                                         cell / (counts_[0] * counts_[1])};
+  std::array<std::size_t, 3> from{}, until{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t way = static_cast<std::size_t>(axis_[axis]) == worldAxis ? 0 : reach;
+    from[axis] = place[axis] < way ? 0 : place[axis] - way;
+    until[axis] = std::min(place[axis] + way + 1, counts_[axis]);
+  }
+  std::vector<std::size_t> cells;
+  for (std::size_t layer = from[2]; layer < until[2]; ++layer) {
+    for (std::size_t i = from[0]; i < until[0]; ++i) {
+      for (std::size_t k = from[1]; k < until[1]; ++k) {
+        cells.push_back((layer * counts_[0] + i) * counts_[1] + k);
+      }
+    }
+  }
+  return cells;
+}
+
 double RateSeries::phaseOf(double day) const {
   return period_ > 0.0 ? day - period_ * std::floor(day / period_) : day;
 }

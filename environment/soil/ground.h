@@ -37,6 +37,10 @@ class Ground {
   [[nodiscard]] double heightOf(const core::Vec3& point) const {
     return sign_ * (axis_[2] == 0 ? point.x : axis_[2] == 1 ? point.y : point.z);
   }
+  /// The side of a square of the area that a cell has across a world axis, length.
+  [[nodiscard]] double sideAcross(std::size_t cell, std::size_t worldAxis) const;
+  /// The cells up to `reach` cells away from a cell in both directions across a world axis, and the cell itself.
+  [[nodiscard]] std::vector<std::size_t> cellsAcross(std::size_t cell, std::size_t reach, std::size_t worldAxis) const;
   /// The mean of an amount per volume over a cell and those that touch it, times the cell's volume (cells).
   [[nodiscard]] double meanAround(std::size_t cell, const std::vector<double>& amounts) const;
   /// Central differences of a quantity of the cells, per length, in world coordinates. A neighbour that is not open

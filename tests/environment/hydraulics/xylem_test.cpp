@@ -612,6 +612,26 @@ TEST(Xylem, RefusesLeavesThatCannotBe) {
             "Environment 'xylem' got the light -5 in parameter 5 of module 9 of plant 0. Send a number of at least 0.");
 }
 
+// a root that is wider than its cell takes from the cells around it: how fine the grid is does not matter
+TEST(Xylem, TheUptakeOfAWideRootDoesNotDependOnTheCells) {
+  std::vector<double> uptakes;
+  for (const auto& [cells, size] :
+       {std::pair("15", "0.4"), {"25", "0.24"}, {"41", "0.146341463414634"}, {"61", "0.0983606557377049"}}) {
+    const auto process = openProcess(
+        "xylem",
+        std::string(
+            R"({"collar":"head","collarHead":-3000,"kr":0.01,"kx":100,"soil":[{"type":"soil-water","gridSize":[)") +
+            cells + ",1," + cells + R"(],"cellSize":[)" + size + ",1," + size +
+            R"(],"position":[-3,-1,-3],"initialHead":-100,)" + kLoamLayers + R"(,"bottom":"closed"}]})",
+        centimetres(0.25));
+    const auto rows = answersOf(*process, RootDrawing().segment({0, 0, 0}, {0, -1, 0}, 0.3, kTen).queries());
+    uptakes.push_back(*rows[0][kExchange]);
+  }
+  for (const double uptake : uptakes) {
+    EXPECT_NEAR(uptake / uptakes.back(), 1.0, 0.02) << uptake;
+  }
+}
+
 TEST(Rhizosphere, TheUptakeIsWhatSoilAndRootBothCarry) {
   const FluxPotential potential(kLoam);
   const double kRoot = 2.0 * std::numbers::pi * 0.02 * 0.002;  // 2πa kr
@@ -641,8 +661,15 @@ TEST(Rhizosphere, FactorsAreThoseOfTheirLimits) {
   // far away ln ρ − 3/4 (Schröder et al. 2008); next to the root (ρ² − 1)/6; ln(0.198 Δx/a) (Peaceman 1978)
   EXPECT_NEAR(annulusFactor(1e4), std::log(1e4) - 0.75, 1e-6);
   EXPECT_NEAR(annulusFactor(std::sqrt(1.0009)) / annulusFactor(std::sqrt(1.0011)), 9.0 / 11.0, 1e-4);
-  EXPECT_NEAR(cellFactor(1.0, 0.01), std::log(19.8), 1e-12);
-  EXPECT_EQ(cellFactor(0.04, 0.01), 0.0);
+  EXPECT_NEAR(cellFactor(1.0, 0.01).factor, std::log(19.8), 1e-12);
+  EXPECT_EQ(cellFactor(1.0, 0.01).reach, 0U);
+  // 9 cells: 9 pairs of one cell, 24 at the distance 1, 16 at √2, 12 at 2, 16 at √5, 4 at √8
+  const double nine = (9 * std::log(0.198) + 16 * std::log(2.0) / 2 + 12 * std::log(2.0) + 16 * std::log(5.0) / 2 +
+                       4 * std::log(8.0) / 2) /
+                      81;
+  EXPECT_EQ(cellFactor(0.04, 0.01).reach, 1U);
+  EXPECT_NEAR(cellFactor(0.04, 0.01).factor, std::log(4.0) + nine, 1e-12);
+  EXPECT_EQ(cellFactor(1.0, 1000.0).factor, 0.0);
 }
 
 }  // namespace
