@@ -5,21 +5,34 @@
 
 namespace espalier::protocol {
 
+namespace {
+
+/// More memory than an idle side keeps, bytes.
+constexpr std::size_t kMuch = 1'000'000;
+
+}  // namespace
+
 void LineSplitter::feed(std::string_view bytes) {
   if (isOverflowed_) {
     return;
   }
-  // drop the lines that were returned
+  dropReturned();
+  buffer_.append(bytes);
+}
+
+void LineSplitter::dropReturned() {
   if (begin_ > 0) {
     buffer_.erase(0, begin_);
     scanned_ -= begin_;
     begin_ = 0;
   }
-  // memory of one long line is not kept for ever
-  if (buffer_.empty() && buffer_.capacity() > 1'000'000) {
+}
+
+void LineSplitter::rest() {
+  dropReturned();
+  if (buffer_.capacity() > kMuch && buffer_.size() < buffer_.capacity() / 4) {
     buffer_.shrink_to_fit();
   }
-  buffer_.append(bytes);
 }
 
 std::string_view LineSplitter::next() {

@@ -43,12 +43,16 @@ class LineSplitter {
   /// next().
   [[nodiscard]] std::size_t take(char* target, std::size_t count);
 
+  /// The caller is done with what next() returned: memory of one long line is not kept.
+  void rest();
   /// Whether the end of the stream now would cut a line.
   [[nodiscard]] bool hasPartialLine() const { return begin_ < buffer_.size(); }
   /// Bytes that next() has not returned yet.
   [[nodiscard]] std::size_t heldBytes() const { return buffer_.size() - begin_; }
 
  private:
+  void dropReturned();
+
   std::size_t maximumLineBytes_;
   std::string buffer_;
   std::size_t begin_ = 0;    // first byte not yet returned
@@ -76,6 +80,8 @@ class MessageReader {
   /// The next complete message, or nothing when there is none.
   [[nodiscard]] std::optional<Read> next();
   void allowBlocks() { areBlocksAllowed_ = true; }
+  /// The caller reads nothing more for now: memory of one long message is not kept.
+  void rest() { lines_.rest(); }
   /// The limit of the lines that have not been returned yet.
   void setLineBytes(std::size_t bytes) { lines_.setMaximumLineBytes(bytes); }
   /// Bytes of the line that the next call of next() would decode; 0: none.

@@ -75,13 +75,19 @@ std::optional<server::RemoteSettings> readSettings(const std::string& entryJson,
   return std::move(*read);
 }
 
-// a command or a plug-in: prints the reason when the environment comes from a snapshot
+// a command or a plug-in: prints the reason when it may not be started
 bool mayStart(const std::string& what, const Making& making) {
-  if (!making.remote.mayStartPrograms) {
+  if (making.remote.source == EnvironmentSource::Snapshot) {
     printError("the snapshot asks to start '" + what +
                "', and a snapshot may come from a stranger: give the environment with --environment if you trust it");
+    return false;
   }
-  return making.remote.mayStartPrograms;
+  if (making.remote.source == EnvironmentSource::Folder && !making.remote.allowsFolderPrograms) {
+    printError("the environment of the folder, forest or plan asks to start '" + what +
+               "', and it may come from a stranger: --allow-folder-programs starts it, for folders that you trust");
+    return false;
+  }
+  return true;
 }
 
 Process connectRemote(const std::string& address, const std::string& entryJson, const std::string& what,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,16 +15,19 @@
 
 namespace espalier::command {
 
+/// Who names an environment. Others than the command line may be strangers, whose programs are not started.
+enum class EnvironmentSource : std::uint8_t { CommandLine, Folder, Snapshot };
+
 /// Settings of environments in other processes, and of reading files of environments. The entry of an environment may
 /// override policy, time and threads.
 struct RemoteOptions {
   std::string policy = "fail";        // fail, keep or fallback:NAME
   double timeoutSeconds = 0.0;        // of a step; 0: the default
-  bool allowsFolderPrograms = false;  // an environment file (.e) may start the program that it names
+  bool allowsFolderPrograms = false;  // a file that nobody named may start the programs that it names
   bool isStrict = false;              // a warning about a file is an error
   unsigned threads = 1;               // of a built-in process that has the key `threads`
   bool keepsState = false;            // a snapshot is wanted, also when the environment dies
-  bool mayStartPrograms = true;       // false: a snapshot names the environment, and a stranger may have written it
+  EnvironmentSource source = EnvironmentSource::CommandLine;
 };
 
 struct LoadedEnvironment {

@@ -65,15 +65,17 @@ bool loadModels(const protocol::ForestParams& forest, const std::string& file, c
 bool loadEnvironmentOf(const protocol::ForestParams& forest, const std::string& file, const ModelOptions& options,
                        core::FileProvider& files, LoadedModel& loaded) {
   std::optional<LoadedEnvironment> environment = LoadedEnvironment{};
+  RemoteOptions ofForest = options.environmentOptions();
+  ofForest.source = EnvironmentSource::Folder;
   if (!options.environment.empty()) {
     environment =
         loadEnvironment(options.environment, options.mode(), options.isQuiet, files, options.environmentOptions());
   } else if (!forest.environmentJson.empty()) {
     WithEnvironment both(file, forest.environmentJson, files);
-    environment = loadEnvironment(file, options.mode(), options.isQuiet, both, options.environmentOptions());
+    environment = loadEnvironment(file, options.mode(), options.isQuiet, both, ofForest);
   } else if (!forest.environmentFile.empty()) {
-    environment = loadEnvironment(besideForest(file, forest.environmentFile), options.mode(), options.isQuiet, files,
-                                  options.environmentOptions());
+    environment =
+        loadEnvironment(besideForest(file, forest.environmentFile), options.mode(), options.isQuiet, files, ofForest);
   }
   if (!environment) {
     return false;

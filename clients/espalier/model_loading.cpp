@@ -335,8 +335,8 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
         return text.empty() || text.front() == '=' ? std::string("expected NAME=VALUE") : std::string{};
       });
   command.add_flag("--allow-folder-programs", options.remote.allowsFolderPrograms,
-                   "An environment file (.e) may start the program that it names: for folders that you trust. Without\n"
-                   "it only built-in environments answer");
+                   "The environment of a folder, forest or plan, and any environment file (.e), may start the programs\n"
+                   "and plug-ins that it names: for folders that you trust. Without it only built-in environments answer");
   command.add_flag("--strict", options.remote.isStrict,
                    "A warning about a file of the model or the environment is an error");
   command.add_option("--limit", options.limits, limitHelp())
@@ -475,6 +475,7 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
   }
   if (options.environment.empty()) {
     options.environment = modelFiles.environment;
+    options.remote.source = EnvironmentSource::Folder;
   }
 
   std::optional<RootModelFiles> rootFiles;

@@ -50,7 +50,7 @@ std::optional<LoadedEnvironment> resumedEnvironment(const ModelOptions& options,
     carried.add(name, text);
   }
   RemoteOptions remote = options.environmentOptions();
-  remote.mayStartPrograms = false;
+  remote.source = EnvironmentSource::Snapshot;
   return loadEnvironment(info.environmentOrigin.name, compatibility, options.isQuiet, carried, remote);
 }
 

@@ -84,6 +84,10 @@ class WebSocketConnection final : public PeerConnection {
       }
     }
     buffer_.consume(buffer_.size());
+    // memory of one big message is not kept while the peer is silent
+    if (buffer_.capacity() > kBigMessage) {
+      buffer_.shrink_to_fit();
+    }
     (void)hold(0);
     co_return true;
   }

@@ -30,6 +30,11 @@ std::optional<std::string> loadCertificate(asio::ssl::context& encryption, const
     return "the key '" + keyFile + "' cannot be used: " + error.message() +
            ". Give --key the private key of the certificate.";
   }
+  // OpenSSL takes a key of another kind than the certificate's without a word
+  if (SSL_CTX_check_private_key(encryption.native_handle()) != 1) {
+    return "the key '" + keyFile + "' is not that of the certificate '" + certificateFile +
+           "'. Give --key the private key of the certificate.";
+  }
   return std::nullopt;
 }
 

@@ -15,6 +15,8 @@ constexpr std::chrono::seconds kLastAnswers{2};
 constexpr std::chrono::milliseconds kLook{10};
 // messages up to so many bytes are written by the thread that sends them
 constexpr std::size_t kSmall = 65'536;
+// memory that a waiting message takes beside its bytes
+constexpr std::size_t kBesideMessage = 128;
 
 }  // namespace
 
@@ -65,7 +67,7 @@ void PeerConnection::send(std::shared_ptr<const std::string> message) {
       message = std::make_shared<const std::string>(message->substr(bytes));
     }
   }
-  changeOutbox(static_cast<std::int64_t>(message->size()));
+  changeOutbox(static_cast<std::int64_t>(message->size() + kBesideMessage));
   outbox_.push_back(std::move(message));
   if (!isWakeComing_) {
     isWakeComing_ = true;
@@ -423,7 +425,7 @@ asio::awaitable<void> PeerConnection::writeAll() {
       bytes += message->size();
     }
     const bool isSent = co_await write(sending);
-    changeOutbox(-static_cast<std::int64_t>(bytes));
+    changeOutbox(-static_cast<std::int64_t>(bytes + sending.size() * kBesideMessage));
     if (!isSent) {
       break;
     }

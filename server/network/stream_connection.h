@@ -62,6 +62,7 @@ class StreamConnection final : public PeerConnection {
     if (reader_.lost()) {
       lose(*reader_.lost());
     }
+    reader_.rest();
     if (!hold(reader_.heldBytes())) {
       reader_ = protocol::MessageReader(frameLimits());
     }

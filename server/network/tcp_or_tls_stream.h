@@ -5,6 +5,7 @@
 #include <boost/asio/ssl.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
+#include <chrono>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -52,6 +53,8 @@ class TcpOrTlsStream {
   friend void async_teardown(boost::beast::role_type role, TcpOrTlsStream& stream, Handler&& handler) {
     auto done = stream.erased<void(error_code)>(std::forward<Handler>(handler));
     if (stream.isEncrypted()) {
+      // a peer that says no farewell is not waited for
+      stream.next_layer().expires_after(kFarewell);
       stream.tls().async_shutdown(std::move(done));
     } else {
       boost::beast::async_teardown(role, stream.next_layer(), std::move(done));
@@ -60,6 +63,7 @@ class TcpOrTlsStream {
 
  private:
   static constexpr std::size_t kMostBuffers = 8;
+  static constexpr std::chrono::seconds kFarewell{2};
 
   /// A handler without its type, which runs where it would have run.
   template <typename Signature, typename Handler>

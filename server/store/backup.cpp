@@ -75,6 +75,13 @@ std::optional<std::string> problemOfCopy(const std::string& file) {
     Database::Statement check(database, "PRAGMA integrity_check(1)");
     isWhole = check.next() && check.text(0) == "ok";
   }
+  if (isWhole) {
+    Database::Statement others(database, "SELECT name FROM sqlite_master WHERE type NOT IN ('table', 'index')");
+    if (others.next()) {
+      return "'" + file + "' has triggers or views, which no backup has ('" + std::string(others.text(0)) +
+             "'). Give a file that `espalier backup` made.";
+    }
+  }
   const std::int64_t version = database.problem() || !isWhole ? 0 : versionOf(database);
   if (version > storeVersion()) {
     return "'" + file + "' was made by a newer Espalier. Use that.";

@@ -21,6 +21,10 @@ void Database::openFile(const std::string& file, int flags, Access access) {
     fail();
     return;
   }
+  // a file of a stranger may hold programs of its own
+  sqlite3_db_config(connection_, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
+  sqlite3_db_config(connection_, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
+  sqlite3_db_config(connection_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   if (access == Access::Exclusive) {
     execute("PRAGMA locking_mode = EXCLUSIVE");
     return;

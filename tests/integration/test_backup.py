@@ -1,5 +1,7 @@
 """`espalier backup` of a server that runs, and `espalier restore` into another folder."""
 
+import contextlib
+import sqlite3
 import tempfile
 import unittest
 from pathlib import Path
@@ -36,6 +38,19 @@ class Backup(unittest.TestCase):
                 again = client.simulation(plant.identifier)
                 self.assertEqual(again.get("state-hash"), state)
                 self.assertEqual(again.step(1).step, 8)
+
+    def test_a_database_with_programs_of_its_own_is_no_backup(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            with Client(self.serve(folder / "data").address, timeout=SECONDS) as client:
+                client.create(GROWING, seed=3).step(2)
+            espalier("backup", str(folder / "data"), str(folder / "copy"))
+            with contextlib.closing(sqlite3.connect(folder / "copy")) as copy:
+                copy.execute("CREATE TRIGGER lost AFTER INSERT ON parts BEGIN DELETE FROM parts; END")
+                copy.commit()
+            refused = espalier("restore", str(folder / "copy"), str(folder / "other"), status=1).stderr
+            self.assertIn("has triggers or views, which no backup has ('lost')", refused)
+            self.assertFalse((folder / "other" / "espalier.sqlite").exists())
 
     def test_the_configuration_has_a_section_for_it(self) -> None:
         with tempfile.TemporaryDirectory() as name:

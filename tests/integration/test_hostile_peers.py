@@ -7,6 +7,7 @@ import time
 import unittest
 from typing import Any, Dict
 
+from soak import resident_bytes
 from support import program, stdio
 
 from espalier import Client, Server, ServerError
@@ -67,6 +68,19 @@ class Hostile(unittest.TestCase):
         return dict(answer["error"])
 
     # ---- peers ----
+
+    def test_an_idle_connection_keeps_no_memory_of_its_largest_message(self) -> None:
+        server = self.serve()
+        before = resident_bytes(server.process_id)
+        message = json.dumps({"jsonrpc": "2.0", "id": 7, "method": "ping", "params": {"text": "x" * 40_000_000}}).encode() + b"\n"
+        for _ in range(4):
+            peer = self.peer(server)
+            peer.send(message)
+            self.assertIn("result", peer.read())
+        end = time.monotonic() + SECONDS
+        while resident_bytes(server.process_id) - before > 60_000_000 and time.monotonic() < end:
+            time.sleep(0.1)
+        self.assertLess(resident_bytes(server.process_id) - before, 60_000_000)
 
     def test_a_hello_that_trickles_in_is_given_up(self) -> None:
         server = self.serve("handshakeMilliseconds=300")

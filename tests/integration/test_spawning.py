@@ -1,5 +1,6 @@
 """Commands and addresses of environments: only what the operator lists is started or dialled, from wherever an entry comes."""
 
+import contextlib
 import json
 import shlex
 import sys
@@ -174,6 +175,29 @@ class Spawning(unittest.TestCase):
             self.assertIn("a snapshot may come from a stranger", refused.stderr)
             self.assertFalse(self.marker.exists())
             espalier("run", "--resume", snapshot, "--environment", environment, "-o", str(self.folder / "b.snapshot"))
+            self.marker.unlink()
+
+    def test_a_folder_a_forest_and_a_plan_start_nothing_unless_they_are_trusted(self) -> None:
+        (self.folder / "m.l").write_text(SOURCE, encoding="utf-8")
+        own = {"type": "stdio", "command": self.command}
+        plan = {"model": "m.l", "measures": {"n": {"count": "*"}}}
+        forest = {"models": [{"name": "a", "file": "m.l"}], "plants": [{"position": [0, 0, 0]}]}
+        files = {"m.json": own, "named.json": {**forest, "environment": f"stdio:{self.command}"}, "plan.json": {**plan, "environment": f"stdio:{self.command}"},
+                 "held.json": {**forest, "environment": own}, "library.json": {**forest, "environment": "other.so"}}
+        for name, content in files.items():
+            (self.folder / name).write_text(json.dumps(content), encoding="utf-8")
+        (self.folder / "other.so").write_bytes(b"")
+        string = str(self.folder / "out.svg")
+        for command in (("check", "m.l"), ("derive", "m.l"), ("run", "m.l", "-o", string), ("run", "named.json", "-o", string),
+                        ("run", "held.json", "-o", string), ("run", "library.json", "-o", string),
+                        ("sweep", "plan.json", "-o", str(self.folder / "r.sqlite"))):
+            with contextlib.chdir(self.folder):
+                refused = " ".join(espalier(*command, "--quiet", status=1).stderr.split())
+            self.assertIn("--allow-folder-programs starts it, for folders that you trust", refused, command)
+            self.assertFalse(self.marker.exists(), f"{command} started the command")
+        for trusted in (("--allow-folder-programs",), ("--environment", f"stdio:{self.command}")):
+            espalier("derive", str(self.folder / "m.l"), "--quiet", *trusted)
+            self.assertTrue(self.marker.exists())
             self.marker.unlink()
 
     def test_a_local_server_is_private_and_may_start_commands(self) -> None:

@@ -266,6 +266,11 @@ class EveryTransport(unittest.TestCase):
                 Client("tls://" + server.address, token="secret")
             wrong = espalier("serve", "--listen", "127.0.0.1:0", "--certificate", key, "--key", key, status=1)
             self.assertIn("./dev certificate makes one for tests", wrong.stderr)
+            # a key of another kind: OpenSSL takes it, and every connection would fail
+            other = os.path.join(folder, "rsa.pem")
+            subprocess.run(["openssl", "genrsa", "-out", other, "2048"], check=True, capture_output=True)
+            wrong = espalier("serve", "--listen", "127.0.0.1:0", "--certificate", certificate, "--key", other, status=1)
+            self.assertIn("is not that of the certificate", wrong.stderr)
 
     def test_other_machines_need_a_token_and_encryption(self) -> None:
         for option in ("--listen", "--http"):

@@ -49,6 +49,7 @@ struct SweepOptions {
   std::uint64_t slices = 0;
   std::vector<std::string> jobOptions;
   bool isQuiet = false;
+  bool allowsFolderPrograms = false;
 
   [[nodiscard]] unsigned workerCount() const {
     return workers > 0 ? workers : std::max(1U, std::thread::hardware_concurrency());
@@ -144,9 +145,11 @@ bool findEnvironment(SweepInput& input, const std::string& planFile, const Model
     input.configuration = std::move(*configuration);
   }
   if (input.configuration.empty()) {
-    input.environmentMaker = [file, model]() -> std::unique_ptr<turtle::EnvironmentProcess> {
+    RemoteOptions remote = model.remote;
+    remote.source = own.empty() ? remote.source : EnvironmentSource::Folder;
+    input.environmentMaker = [file, model, remote]() -> std::unique_ptr<turtle::EnvironmentProcess> {
       server::DiskFileProvider disk;
-      std::optional<LoadedEnvironment> loaded = loadEnvironment(file, model.mode(), true, disk, model.remote);
+      std::optional<LoadedEnvironment> loaded = loadEnvironment(file, model.mode(), true, disk, remote);
       return loaded ? std::move(loaded->process) : nullptr;
     };
   }
@@ -154,7 +157,7 @@ bool findEnvironment(SweepInput& input, const std::string& planFile, const Model
 }
 
 // the model of a plan with everything that its runs share; prints errors
-std::unique_ptr<SweptModel> loadSweptModel(Prepared& prepared, bool isQuiet, core::FileProvider& files) {
+std::unique_ptr<SweptModel> loadSweptModel(Prepared& prepared, const SweepOptions& sweep, core::FileProvider& files) {
   const Plan& plan = prepared.plan;
   ModelOptions options;
   options.model = foundFile(plan.model, prepared.folder, true);
@@ -163,7 +166,8 @@ std::unique_ptr<SweptModel> loadSweptModel(Prepared& prepared, bool isQuiet, cor
   options.dialect = plan.dialect;
   options.compatibility = plan.compatibility;
   options.limits = plan.limits;
-  options.isQuiet = isQuiet;
+  options.isQuiet = sweep.isQuiet;
+  options.remote.allowsFolderPrograms = sweep.allowsFolderPrograms;
   for (const std::string& limit : plan.limits) {
     server::ServerLimits limits;
     if (const auto mistake = server::setLimit(limits, limit)) {
@@ -331,7 +335,7 @@ int runPlan(const SweepOptions& options) {
     return printTable(prepared->plan, prepared->table) ? kSuccess : kFailure;
   }
   server::DiskFileProvider files;
-  const std::unique_ptr<SweptModel> model = loadSweptModel(*prepared, options.isQuiet, files);
+  const std::unique_ptr<SweptModel> model = loadSweptModel(*prepared, options, files);
   if (!model) {
     return kFailure;
   }
@@ -348,8 +352,12 @@ int runPlan(const SweepOptions& options) {
     return kFailure;
   }
   if (options.usesSlurm) {
-    const Result<std::vector<std::string>> jobs = submitSlurmJob(
-        {.plan = options.plan, .output = options.output, .slices = options.slices, .options = options.jobOptions});
+    const Result<std::vector<std::string>> jobs =
+        submitSlurmJob({.plan = options.plan,
+                        .output = options.output,
+                        .slices = options.slices,
+                        .options = options.jobOptions,
+                        .allowsFolderPrograms = options.allowsFolderPrograms});
     if (!jobs) {
       printError(jobs.error());
       return kFailure;
@@ -496,6 +504,9 @@ void addSweep(CLI::App& program, int& status) {
   })->type_name("N");
   command->add_option("--job-option", options->jobOptions, "An option of sbatch, as --time=01:00:00. May be repeated")
       ->allow_extra_args(false);
+  command->add_flag("--allow-folder-programs", options->allowsFolderPrograms,
+                    "The environment of the plan or of its model may start the programs and plug-ins that it names:\n"
+                    "for plans that you trust");
   command->add_flag("--quiet", options->isQuiet, "Print only results, failures and errors");
   addExportCommand(*command, status);
   addMergeCommand(*command, status);
