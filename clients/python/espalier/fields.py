@@ -24,24 +24,15 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple, cast
 
+from .fields_checks import MOST_CELLS, FieldError as FieldError, FieldWarning as FieldWarning, check_netcdf, check_zarr, checked_store
 from .version import VERSION
 
-# a larger grid needs more memory than a description of a few bytes should cost
-MOST_CELLS = int(os.environ["ESPALIER_FIELD_CELLS"]) if os.environ.get("ESPALIER_FIELD_CELLS", "").isdigit() else 20_000_000
 AXES = ("x", "y", "z")
 # y is up in a model; the conventions call the vertical axis Z
 CF_AXES = {"x": "X", "y": "Z", "z": "Y"}
 # the numbers in cells that nobody wrote (netcdf.h, NC_FILL_)
 NEVER_WRITTEN = {"f8": 9.969209968386869e36, "f4": 9.969209968386869e36, "i2": -32767, "i4": -2147483647, "u2": 65535, "u4": 4294967295}
 STANDARD_NAMES = {"waterContent": "volume_fraction_of_condensed_water_in_soil"}
-
-
-class FieldError(Exception):
-    """A file that cannot be read or written: one sentence, with what to do."""
-
-
-class FieldWarning(UserWarning):
-    """What was left out of a file, or taken for granted: one sentence."""
 
 
 class Grid(NamedTuple):
@@ -162,6 +153,8 @@ def _note(text: str) -> None:
 def _stored(variable: Any, name: str) -> Any:
     try:
         return variable.load().values
+    except FieldError:
+        raise
     except Exception as error:  # whatever the libraries raise on damaged bytes
         raise FieldError(f"{name} cannot be read ({_said(error)}): the file is damaged, so copy it or write it again.") from None
 
@@ -299,22 +292,27 @@ def open_dataset(path: "str | os.PathLike[str]", group: "str | None" = None) -> 
     """Opens a .nc file or .zarr folder, or a group in it, with numbers as they are stored: `fields_of` unpacks. Raises FieldError."""
     _, xarray = _libraries()
     asStored: Dict[str, Any] = {"decode_times": False, "decode_timedelta": False, "mask_and_scale": False, "group": group}
+    source: Any = path
     try:
         if str(path).rstrip("/").endswith(".zarr"):
             import zarr  # type: ignore[import]
-            opened = zarr.open_group(str(path), mode="r", path=group)
+            source = checked_store(str(path), check_zarr(str(path)))
+            opened = zarr.open_group(source, mode="r", path=group)
             arrays, groups = dict(opened.arrays()), list(opened.group_keys())
             lengths = [length for array in arrays.values() for length in array.shape]
             asStored.update(engine="zarr", consolidated=(Path(path) / ".zmetadata").is_file())
         else:
             import netCDF4  # type: ignore[import]
             with netCDF4.Dataset(path) as file:
+                check_netcdf(file)
                 opened = file[group] if group else file
                 arrays, groups, lengths = {}, list(opened.groups), [len(dimension) for dimension in opened.dimensions.values()]
         # xarray reads coordinates at once
         if max(lengths, default=0) > MOST_CELLS:
             raise MemoryError(f"an axis of {max(lengths)}, and at most {MOST_CELLS} can be read")
-        data = xarray.open_dataset(path, **asStored)
+        data = xarray.open_dataset(source, **asStored)
+    except FieldError:
+        raise
     except Exception as error:  # whatever the libraries raise on a stranger's file
         raise FieldError(f"{path} cannot be opened ({_said(error)}): give a .nc file or a .zarr folder that is complete.") from None
     listed = ", ".join(f"{group}/{name}" if group else name for name in groups)
