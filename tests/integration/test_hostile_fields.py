@@ -1,8 +1,9 @@
-"""Data sets that strangers made to do harm: code in them, small files of many cells, links."""
+"""Data sets that strangers made to do harm: code in them, small files of many cells, links; and files with bytes at random."""
 
 import importlib.util
 import json
 import os
+import random
 import shutil
 import struct
 import subprocess
@@ -12,7 +13,7 @@ import time
 import unittest
 import zlib
 from pathlib import Path
-from typing import Any, Dict, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
 from support import variables
 
@@ -219,6 +220,97 @@ class Hostile(unittest.TestCase):
             bomb = self.netcdf("bomb.nc", chunks=(500, 500, 1000), group=group)
             self.assertLess(bomb.stat().st_size, 100_000)
             self.assertRefused(bomb, "q has parts of 250000000 cells, and at most 20000000")
+
+    # mutations: each outcome is a result or one sentence
+
+    def mutated_bytes(self, raw: bytes, chance: random.Random) -> bytes:
+        changed = bytearray(raw)
+        for _ in range(chance.choice((1, 1, 2, 8, 64))):
+            at = chance.randrange(len(changed))
+            kind = chance.randrange(5)
+            if kind == 0:
+                changed[at] ^= 1 << chance.randrange(8)
+            elif kind == 1:
+                changed[at] = chance.choice((0, 1, 127, 128, 255))
+            elif kind == 2:
+                changed[at:at + 8] = struct.pack("<Q", chance.choice((0, 1, 2 ** 31 - 1, 2 ** 32, 2 ** 63 - 1, 2 ** 64 - 1)))[:len(changed) - at]
+            elif kind == 3 and len(changed) > 16:
+                del changed[at:at + chance.randrange(1, 8)]
+            else:
+                changed[at:at] = bytes(chance.randrange(256) for _ in range(4))
+            if not changed:
+                break
+        return bytes(changed[:chance.randrange(len(changed) + 1)]) if chance.random() < 0.1 else bytes(changed)
+
+    def mutated_json(self, text: str, chance: random.Random) -> str:
+        whole = json.loads(text)
+        members: List[Tuple[Any, Any]] = []
+
+        def visit(value: Any) -> None:
+            for key in (list(value) if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()):
+                members.append((value, key))
+                visit(value[key])
+
+        visit(whole)
+        place, key = chance.choice(members)
+        values: List[Any] = [None, True, -1, 0, 1, 3, 2 ** 31, 10 ** 30, 0.5, "", "O", "|O", "<f4", "<i2", "<U9", "|S3", "M8[s]", [], {}, [1], [2, 2], "NaN",
+                             [10 ** 9] * 3, [["a", "<f8"]], {"id": "pickle"}, [{"id": "pickle"}], {"id": "zlib"}, {"id": "bz2", "level": 99},
+                             [{"id": "delta", "dtype": "<f8"}], [{"id": "shuffle", "elementsize": 0}], ["x"], "x", "../x", "F"]
+        if chance.random() < 0.2:
+            del place[key]
+        else:
+            place[key] = chance.choice(values)
+        return json.dumps(whole)
+
+    def assertSurvives(self, seconds: float, seed: int, least: int) -> None:
+        import xarray
+
+        print(f"seed {seed}", file=sys.stderr)
+        chance = random.Random(seed)
+        good = self.folder / "good.zarr"
+        data = xarray.open_dataset(self.netcdf("good.nc")).load()
+        data.to_zarr(good, consolidated=True)
+        plain = self.zarr(name="plain.zarr")
+        outcomes = {"read": 0, "refused": 0}
+        makers: List[Callable[[], Path]] = [lambda: self.folder / "m.nc", lambda: self.folder / "m.zarr", lambda: self.folder / "m.zarr"]
+        end = time.monotonic() + seconds
+        for turn in range(10 ** 9):
+            if time.monotonic() > end and turn >= least:
+                break
+            source = makers[turn % 3]()
+            if source.suffix == ".nc":
+                source.write_bytes(self.mutated_bytes((self.folder / "good.nc").read_bytes(), chance))
+            else:
+                shutil.rmtree(source, ignore_errors=True)
+                shutil.copytree(chance.choice((good, plain)), source)
+                for _ in range(chance.choice((1, 1, 2, 4))):
+                    path = chance.choice(sorted(path for path in source.rglob("*") if path.is_file()))
+                    if path.name.startswith(".") and chance.random() < 0.7:
+                        try:
+                            path.write_text(self.mutated_json(path.read_text(encoding="utf-8"), chance), encoding="utf-8")
+                            continue
+                        except (ValueError, IndexError):
+                            pass
+                    path.write_bytes(self.mutated_bytes(path.read_bytes() or b"0", chance))
+            target = self.folder / chance.choice(("m.vti", "out.nc"))
+            try:
+                said = self.reader.convert(source, target)
+            except AssertionError as error:
+                raise AssertionError(f"seed {seed}, turn {turn}, {source.name} to {target.name}: {error}") from None
+            word = said.partition(" ")[0]
+            outcomes[word] += 1
+            if word == "refused":
+                self.assertNotIn("\\n", said)
+                self.assertRegex(said, r"""\.["']$""")
+        # both happen, or nothing was tried
+        self.assertGreater(min(outcomes.values()), 0, outcomes)
+
+    def test_bytes_and_members_at_random_are_a_result_or_a_sentence(self) -> None:
+        self.assertSurvives(4, 1, least=30)
+
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes minutes: ./dev test --all long")
+    def test_long_bytes_and_members_at_random(self) -> None:
+        self.assertSurvives(180, int(os.environ.get("ESPALIER_SEED", "2")), least=500)
 
 
 if __name__ == "__main__":
