@@ -154,7 +154,8 @@ class Hostile(unittest.TestCase):
         (root / ".zmetadata").write_text(json.dumps({"zarr_consolidated_format": 1, "metadata": metadata}), encoding="utf-8")
         self.assertRefused(root, "cannot be read as metadata")
 
-    def test_attributes_name_plain_kinds(self) -> None:
+    def test_attributes_and_fill_values_are_plain(self) -> None:
+        self.assertRefused(self.zarr(fill_value=[1, 2]), "the fill value of q is not one number")
         root = self.zarr()
         (root / "q" / ".zattrs").write_text(json.dumps({"_ARRAY_DIMENSIONS": ["z", "y", "x"], "dtype": "object"}), encoding="utf-8")
         self.assertRefused(root, "the attribute dtype of q holds")

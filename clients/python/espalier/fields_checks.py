@@ -63,6 +63,8 @@ def _check_array(said: Any, name: str) -> Tuple[str, int]:
     """The compressor of an array of Zarr, and the bytes of a part when it is decoded. Raises FieldError."""
     if not isinstance(said, dict):
         raise FieldError(f"the metadata of {name} are not those of an array: the file is damaged, so copy it or write it again.")
+    if isinstance(said.get("fill_value"), (list, dict)):
+        raise FieldError(f"the fill value of {name} is not one number: mend it.")
     size = _check_parts(said.get("shape"), said.get("chunks"), _itemsize(said.get("dtype"), name), name)
     filters = [] if said.get("filters") is None else said["filters"]
     codecs: List[Tuple[Any, Tuple[str, ...]]] = [(codec, FILTERS) for codec in (filters if isinstance(filters, list) else ["?"])]
