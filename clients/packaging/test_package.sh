@@ -38,20 +38,43 @@ fi
 wheel="$(ls "$folder"/../wheels/espalier-*manylinux*.whl 2>/dev/null | head -n 1)"
 [[ -n "$wheel" ]] || fail "there is no wheel in build/wheels: run ./dev package first"
 
-# an older version, for upgrades
+# an older version, for upgrades. While /srv/kill is there, its last script ends dpkg, which has unpacked the newer files by then
 older="$folder/older"
 rm -rf "$older"
 dpkg-deb -R "$program_package" "$older"
 sed -i 's/^Version: .*/Version: 0.0.9/' "$older/DEBIAN/control"
+sed -i '2i if [ "$1" = upgrade ] && [ -e /srv/kill ]; then kill -KILL "$PPID"; fi' "$older/DEBIAN/postrm"
 dpkg-deb --root-owner-group -b "$older" "$folder/older.deb" >/dev/null
 rm -rf "$older"
 
-# what happens in the bare system; every command must succeed
+# what the pages show, for a project outside the source tree
+root="$here/../.."
+sources="$folder/sources"
+rm -rf "$sources"
+mkdir -p "$sources/grow"
+cp "$root/environment/plugin_example/ceiling.c" "$sources"
+block() { awk -v fence="\`\`\`$1" '$0 == "```" && inside { exit } inside { print } $0 == fence { inside = 1 }' "$root/docs/library.md"; }
+block cmake >"$sources/grow/CMakeLists.txt"
+block cpp >"$sources/grow/grow.cpp"
+for file in "$sources"/grow/*; do [[ -s "$file" ]] || fail "docs/library.md has no ${file##*/}"; done
+
+# what happens in the bare system; every command must succeed. A `!` before a command would hide its failure: use test
 cat >"$folder/inside.sh" <<'INSIDE'
 set -eux
 cd /srv
 apt-get update -qq
 install() { DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null; }
+# starts a server with a data folder: sets server and address
+serve() {
+  rm -f address.txt
+  espalier serve --listen 127.0.0.1:0 --data "$1" >address.txt 2>server.log &
+  server=$!
+  until grep -q listening address.txt; do
+    kill -0 "$server"
+    sleep 0.1
+  done
+  address=$(sed 's/listening on //' address.txt)
+}
 
 # a wheel needs Python only
 install python3-venv
@@ -63,16 +86,13 @@ rm -rf plants
 # installed and used in less than a minute, with the download of what it needs
 began=$(date +%s)
 install ./older.deb
-espalier run /usr/share/espalier/gallery/classic-weed -o weed.png
+espalier run classic-weed -o weed.png
 test "$(head -c 4 weed.png | tail -c 3)" = PNG
 test $(($(date +%s) - began)) -lt 60
 dpkg-query -W -f '${Version}' espalier | grep -qx 0.0.9
 
 # upgraded while a server runs: the server goes on
-espalier serve --listen 127.0.0.1:0 --data data >address.txt 2>server.log &
-server=$!
-until grep -q listening address.txt; do sleep 0.1; done
-address=$(sed 's/listening on //' address.txt)
+serve data
 plant=$(espalier connect "$address" create --gallery light-tree --environment constant --seed 7)
 install ./espalier_*.deb
 dpkg-query -W -f '${Version}' espalier | grep -qx "$(dpkg-deb -f ./espalier_*.deb Version)"
@@ -82,9 +102,12 @@ wait "$server"
 
 # an upgrade that is killed half-way, and done again
 dpkg -i older.deb
-timeout -s KILL 0.4 dpkg -i ./espalier_*.deb || true
-dpkg --configure -a
+touch kill
+if dpkg -i ./espalier_*.deb; then exit 1; fi
+dpkg-query -W -f '${db:Status-Status}' espalier | grep -qx half-installed
+rm kill
 dpkg -i ./espalier_*.deb
+dpkg-query -W -f '${db:Status-Status} ${Version}' espalier | grep -qx "installed $(dpkg-deb -f ./espalier_*.deb Version)"
 espalier --version
 
 # what came with it
@@ -93,9 +116,9 @@ for each in man/man1/espalier.1.gz man/man1/espalier-run.1.gz bash-completion/co
   fish/vendor_completions.d/espalier.fish doc/espalier/handbook/index.html; do
   test -s "/usr/share/$each"
 done
-if espalier --help | grep -q self-test; then espalier self-test; fi
+espalier self-test
 
-# an environment of one's own, and the development files
+# an environment of one's own, and a page of a plant
 install ./python3-espalier_*.deb
 cat >ceiling.py <<'PYTHON'
 from espalier import Environment
@@ -106,22 +129,55 @@ class Ceiling(Environment):
 
 Ceiling.serve()
 PYTHON
-espalier run /usr/share/espalier/gallery/light-tree --environment 'stdio:python3 ceiling.py' -o tree.png
+espalier run light-tree --environment 'stdio:python3 ceiling.py' -o tree.png -o tree.glb
+python3 - <<'PYTHON'
+from pathlib import Path
+from espalier.viewing import View
 
-# settings that a person changed stay when the package goes, and go when it is purged
+page = View([Path("tree.glb").read_bytes()]).html()
+assert "espalier.showPlant" in page and len(page) > 100_000, len(page)
+PYTHON
+
+# the development files: a plug-in in C, and a project in C++
+install ./espalier-dev_*.deb g++ cmake make
+cat >plant.l <<'MODEL'
+Lsystem: 1
+derivation length: 5
+Axiom: A?E(1)
+A > ?E(x) : x == 1 --> FA
+endlsystem
+MODEL
+cc -shared -fPIC -I /usr/include/espalier ceiling.c -o libceiling.so
+test "$(espalier derive plant.l --environment ./libceiling.so --quiet)" = 'FFFA?E(0)'
+cmake -S grow -B grow/build -DCMAKE_BUILD_TYPE=Release >/dev/null
+cmake --build grow/build
+test "$(grow/build/grow | tail -n 1)" = 'FFFA?E(0)'
+
+# settings that a person changed and data stay when the package goes; data that a server has open stay when it is purged, too
+data=/var/lib/private/espalier
+mkdir -p "${data%/*}"
 echo '# changed' >>/etc/espalier/serve.toml
-mkdir -p /var/lib/private/espalier
+serve "$data"
+espalier connect "$address" create --gallery classic-weed >/dev/null
+test -s "$data/espalier.sqlite"
 apt-get remove -y -qq espalier >/dev/null
-! command -v espalier
+test ! -e /usr/bin/espalier
 grep -q changed /etc/espalier/serve.toml
-test -d /var/lib/private/espalier
+test -s "$data/espalier.sqlite"
 apt-get purge -y -qq espalier >/dev/null
 test ! -e /etc/espalier/serve.toml
-test ! -e /var/lib/private/espalier
+test -s "$data/espalier.sqlite"
+kill "$server"
+wait "$server"
+
+# without a server they go
+install ./espalier_*.deb
+apt-get purge -y -qq espalier >/dev/null
+test ! -e "$data"
 INSIDE
 
 mmdebstrap --variant=apt --quiet --include=ca-certificates \
-  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$folder/inside.sh' /srv" \
+  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$sources/ceiling.c' '$sources/grow' '$folder/inside.sh' /srv" \
   --customize-hook='chroot "$1" sh /srv/inside.sh' \
   bookworm /dev/null >"$folder/bare.log" 2>&1 || fail "in a bare Debian 12: $(tail -n 12 "$folder/bare.log")"
-passed "in a bare Debian 12: wheel, package installed and used in a minute, upgraded under a running server and after a kill, removed, purged"
+passed "in a bare Debian 12: wheel, package installed and used in a minute, upgraded under a running server and after a kill, C and C++ built, removed, purged"

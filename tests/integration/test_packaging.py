@@ -19,6 +19,10 @@ import command_table  # noqa: E402
 import make_completions  # noqa: E402
 import make_manpages  # noqa: E402
 
+from espalier import viewing  # noqa: E402
+
+DEBIAN = REPOSITORY / "clients" / "packaging" / "debian"
+
 
 class FromHelp(unittest.TestCase):
     table: ClassVar[List[command_table.Command]]
@@ -102,6 +106,62 @@ class Libraries(unittest.TestCase):
         self.assertEqual([name for name in later if name not in names], [])
         self.assertTrue(any(name.startswith("libtbb") for name in names), names)
         self.assertEqual(len(names), len(set(names)))
+
+
+class DebianScripts(unittest.TestCase):
+    """What the scripts of the packages say. The stage `package` runs them in a bare system, which has no systemd."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    @unittest.skipUnless(shutil.which("dh_installdeb"), "debhelper is not installed (Debian: debhelper)")
+    def test_the_service_is_stopped_when_it_goes_and_started_again_after_an_upgrade(self) -> None:
+        shutil.copytree(DEBIAN, self.folder / "debian")
+        variables = {**os.environ, "DH_VERBOSE": "", "DH_NO_ACT": ""}
+        for command in (["make", "-f", "debian/rules", "override_dh_installsystemd"], ["dh_installdeb", "--package=espalier"]):
+            done = subprocess.run(command, cwd=self.folder, env=variables, capture_output=True, text=True, timeout=SECONDS, check=False)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        scripts = {path.name: path.read_text(encoding="utf-8") for path in (self.folder / "debian" / "espalier" / "DEBIAN").iterdir()}
+        self.assertIn("deb-systemd-invoke stop espalier.service", scripts["prerm"])
+        self.assertRegex(scripts["prerm"], r'"\$1" = remove')
+        # only where it ran: the service is not enabled
+        self.assertIn("deb-systemd-invoke try-restart 'espalier.service'", scripts["postinst"])
+        self.assertNotIn("deb-systemd-invoke", scripts.get("preinst", ""))
+        for name in ("prerm", "postinst", "postrm"):
+            self.assertEqual(subprocess.run(["sh", "-n"], input=scripts[name], text=True, check=False).returncode, 0, name)
+
+    def test_a_purge_removes_data_unless_a_process_uses_them(self) -> None:
+        script = self.folder / "postrm"
+        script.write_text((DEBIAN / "espalier.postrm").read_text(encoding="utf-8").replace("/var/lib", str(self.folder)), encoding="utf-8")
+        data = self.folder / "private" / "espalier"
+        data.mkdir(parents=True)
+        (self.folder / "espalier").symlink_to("private/espalier")
+
+        def purge(what: str = "purge") -> str:
+            return subprocess.run(["sh", str(script), what], capture_output=True, text=True, timeout=SECONDS, check=True).stderr
+
+        with (data / "espalier.sqlite").open("w"):
+            self.assertIn(f"a process uses {data}, so it stays", purge())
+            self.assertTrue((data / "espalier.sqlite").exists())
+        purge("remove")
+        self.assertTrue((data / "espalier.sqlite").exists())
+        self.assertEqual(purge(), "")
+        self.assertEqual(list((self.folder / "private").iterdir()), [])
+        self.assertFalse((self.folder / "espalier").is_symlink())
+
+    def test_the_python_package_has_the_script_of_its_pages(self) -> None:
+        lines = [line.split() for line in (DEBIAN / "python3-espalier.install").read_text(encoding="utf-8").splitlines()]
+        target = next(target for source, target in lines if source == "clients/web/espalier.js")
+        package = Path(next(target for source, target in lines if source == "clients/python/espalier")) / "espalier"
+        place = viewing.SCRIPTS[0].relative_to(Path(viewing.__file__).parent)
+        self.assertEqual(Path(target) / "espalier.js", package / place)
+
+    def test_no_line_of_the_test_of_packages_hides_a_failure(self) -> None:
+        # `set -e` does not see a command behind `!`
+        text = (DEBIAN.parent / "test_package.sh").read_text(encoding="utf-8")
+        self.assertEqual([line for line in text.splitlines() if line.lstrip().startswith("! ") or line.rstrip().endswith("|| true")], [])
 
 
 class Wheels(unittest.TestCase):
