@@ -1,0 +1,149 @@
+"""Root systems in RSML against a second reader (rsml_reader.py): geometry, hierarchy and diameters, in and out."""
+
+import csv
+import random
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Dict, List, Optional, Tuple
+
+from rsml_reader import Point, RsmlFile
+from support import espalier, model
+
+Segment = Tuple[Point, Point, Optional[float]]
+
+
+class RootMarkup(unittest.TestCase):
+    maxDiff = 3000
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def read(self, name: str) -> RsmlFile:
+        return RsmlFile((self.folder / name).read_text(encoding="utf-8"))
+
+    def assertSegments(self, found: List[Segment], expected: List[Segment], digits: int) -> None:
+        def key(segment: Segment) -> Tuple[float, ...]:
+            return tuple(round(number, 6) for point in segment[:2] for number in point)
+
+        self.assertEqual(len(found), len(expected))
+        for one, other in zip(sorted(found, key=key), sorted(expected, key=key)):
+            for point, wanted in zip(one[:2], other[:2]):
+                for number, want in zip(point, wanted):
+                    self.assertAlmostEqual(number, want, digits, (one, other))
+            self.assertEqual(one[2] is None, other[2] is None, (one, other))
+            if one[2] is not None and other[2] is not None:
+                self.assertAlmostEqual(one[2], other[2], digits, (one, other))
+
+    def test_what_is_written_of_a_table_has_its_segments_diameters_and_laterals(self) -> None:
+        for seed in range(5):
+            chance = random.Random(seed)
+            rows: List[Tuple[int, Point, float, int]] = [(-1, (0.0, 0.0, 0.0), 0.5, 1)]
+            # the row of the tip of each axis
+            tips = [0]
+            for _ in range(60):
+                # an axis grows, or a lateral of the next order begins at any row
+                isLateral = chance.random() < 0.2 and len(rows) > 1
+                before = chance.randrange(1, len(rows)) if isLateral else chance.choice(tips)
+                x, y, z = rows[before][1]
+                place = (round(x + chance.uniform(-1, 1), 3), round(y - chance.uniform(0.1, 1), 3), round(z + chance.uniform(-1, 1), 3))
+                rows.append((before, place, round(chance.uniform(0.01, 0.5), 4), rows[before][3] + isLateral))
+                tips = [*(tip for tip in tips if isLateral or tip != before), len(rows) - 1]
+            (self.folder / "roots.tsv").write_text("node\tparent\tx\ty\tz\tradius\torder\n" + "".join(
+                f"{i}\t{before}\t{x}\t{y}\t{z}\t{radius}\t{order}\n" for i, (before, (x, y, z), radius, order) in enumerate(rows)), encoding="utf-8")
+            espalier("run", str(self.folder / "roots.tsv"), "-o", str(self.folder / "out.rsml"))
+            found = self.read("out.rsml")
+            self.assertSegments(list(found.segments()), [(rows[before][1], place, 2 * radius) for before, place, radius, _ in rows[1:]], 9)
+            orders: Dict[Point, int] = {place: order for _, place, _, order in rows}
+            for root in found.roots:
+                # a lateral begins at a point of its parent, and its own points have its order
+                self.assertEqual(found.joint(root), None if root.parent is None else root.points[0])
+                order = 1
+                above = root.parent
+                while above is not None:
+                    order, above = order + 1, found.roots[above].parent
+                self.assertEqual({orders[point] for point in root.points[1:]}, {order})
+
+    def test_what_a_model_grew_is_what_its_table_of_modules_says(self) -> None:
+        espalier("run", model("roots-in-soil"), "--steps", "16", "--seed", "3", "--quiet", "-o", str(self.folder / "out.rsml"), "-o", str(self.folder / "out.csv"))
+        with (self.folder / "out.csv").open(encoding="utf-8") as file:
+            modules = {int(row["module"]): row for row in csv.DictReader(file)}
+        expected: List[Segment] = []
+        for row in modules.values():
+            if row["symbol"] != "I":
+                continue
+            before = row
+            while before["parent"]:
+                before = modules[int(before["parent"])]
+                if before["symbol"] == "I":
+                    break
+            ends = [(float(each["x"]), float(each["y"]), float(each["z"])) for each in (before, row)]
+            expected.append((ends[0] if before["symbol"] == "I" and before is not row else (0.0, 0.0, 0.0), ends[1], float(row["width"])))
+        self.assertGreater(len(expected), 30)
+        found = self.read("out.rsml")
+        self.assertSegments(list(found.segments()), expected, 9)
+        self.assertGreater(sum(root.parent is not None for root in found.roots), 2)
+
+    def written(self, seed: int) -> str:
+        """A file of another program: namespaces, functions of each domain, properties, annotations, splines, and no z here and there."""
+        chance = random.Random(seed)
+
+        def point(place: Point) -> str:
+            return f'<point x="{place[0]}" y="{place[1]}"' + (f' z="{place[2]}"/>' if place[2] else "/>")
+
+        def diameters(points: List[Point]) -> str:
+            domain = chance.choice(("polyline", "uniform", "length"))
+            count = len(points) if domain == "polyline" else chance.randrange(2, 6)
+            samples = []
+            for i in range(count):
+                place = f' position="{round(i * 0.7 + chance.random() / 2, 3)}"' if domain == "length" else ""
+                value = round(chance.uniform(0.05, 0.4), 3)
+                samples.append(f"<sample{place}>{value}</sample>" if chance.random() < 0.3 else f'<sample{place} value="{value}"/>')
+            return f'<function name="diameter" domain="{domain}">{"".join(samples)}</function>'
+
+        def root(begin: Point, depth: int, node: int) -> str:
+            points = [begin]
+            for _ in range(chance.randrange(2, 6)):
+                x, y, z = points[-1]
+                points.append((round(x + chance.uniform(-1, 1), 3), round(y - chance.uniform(0.2, 1), 3), chance.choice((0.0, round(z + 0.25, 3)))))
+            nodes = [chance.randrange(1, len(points)) for _ in range(chance.randrange(3) if depth < 3 else 0)]
+            return (f'<root ID="{chance.randrange(10 ** 6)}" label="r" po:accession="PO:0020127"><properties>' +
+                    (f'<parent-node value="{node}"/>' if node >= 0 else "") + '<category value="seminal"/></properties><geometry>' +
+                    f'<rootnavspline controlpointseparation="50">{point((9.0, 9.0, 9.0))}</rootnavspline>' +
+                    f'<polyline>{"".join(map(point, points))}</polyline></geometry><functions><function name="orientation" domain="polyline">' +
+                    f'<sample value="7"/></function>{diameters(points)}</functions>' + "".join(root(points[at], depth + 1, at) for at in nodes) +
+                    f'<annotations><annotation name="note">{point((5.0, 5.0, 0.0))}<value>by eye</value></annotation></annotations></root>')
+
+        plants = "".join(f'<plant ID="{i}">{root((10.0 * i, 0.0, 0.0), 1, -1)}</plant>' for i in range(2))
+        return ('<?xml version="1.0"?><rsml xmlns:po="http://www.plantontology.org/xml-dtd/po.dtd"><metadata><version>1</version><unit>cm</unit>'
+                f"<resolution>1</resolution></metadata><scene>{plants}</scene></rsml>")
+
+    def test_what_is_read_and_written_again_means_the_same(self) -> None:
+        domains, laterals = set(), 0
+        for seed in range(12):
+            text = self.written(seed)
+            source = RsmlFile(text)
+            (self.folder / "in.rsml").write_text(text, encoding="utf-8")
+            espalier("run", str(self.folder / "in.rsml"), "-o", str(self.folder / "out.rsml"))
+            found = self.read("out.rsml")
+            self.assertEqual(found.unit, "cm")
+            self.assertSegments(list(found.segments()), list(source.segments()), 9)
+            # roots may come in another order, and all are of one plant; each has its own points and parent
+
+            def known(file: RsmlFile) -> List[Tuple[List[Point], Optional[List[Point]]]]:
+                return sorted((root.points, None if root.parent is None else file.roots[root.parent].points) for root in file.roots)
+
+            self.assertEqual(known(found), known(source))
+            domains |= {root.functions["diameter"].domain for root in source.roots}
+            laterals += sum(root.parent is not None for root in source.roots)
+            self.assertTrue(all(root.annotations["note"] == [(5.0, 5.0, 0.0)] and root.properties["category"] == "seminal" for root in source.roots))
+            traits = dict(line.rsplit("\t", 1) for line in espalier("traits", str(self.folder / "in.rsml")).stdout.splitlines())
+            self.assertAlmostEqual(float(traits["length\t"]), sum(root.positions()[-1] for root in source.roots), 9)
+        self.assertEqual(domains, {"polyline", "uniform", "length"})
+        self.assertGreater(laterals, 10)
+
+
+if __name__ == "__main__":
+    unittest.main()
