@@ -8,10 +8,12 @@ import subprocess
 import tempfile
 import unittest
 from array import array
+from collections import Counter
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
 import point_files
+from las_reader import las_points
 from support import REPOSITORY, espalier
 
 READER = REPOSITORY / "tests" / "points"
@@ -87,6 +89,23 @@ class Points(unittest.TestCase):
         # a 1.4 file of the same points, which that reader does not know, has the same counts
         newest = self.field(self.write("e.las", point_files.las(points, 4, 6)), "pointCount", "--axes", "file")
         self.assertEqual(newest, self.field(self.folder / "a.las", "pointCount", "--axes", "file"))
+
+    def test_counts_agree_with_a_reader_of_the_tables_of_las_1_4(self) -> None:
+        points = [(x + 0.0005, y + 0.0005, z + 0.0005) for x, y, z in point_files.tree(2000)]
+        records = [point_files.record("someone", 1, b"12345")]
+        for minor, form in [(2, 3), (3, 5)] + [(4, form) for form in range(11)]:
+            content = point_files.las(points, minor, form, classes=[2, 5, 6, 9, 18 if form >= 6 else 31] * 400, withheld=range(0, 2000, 7),
+                                      records=records, extra=form)
+            file = self.write("a.las", content)
+            theirs = [point for point in las_points(content) if not point.isWithheld]
+            self.assertEqual(len(theirs), 2000 - 286)
+            table = self.table(file)
+            self.assertEqual(table["points"], [str(len(theirs))], (minor, form))
+            kinds = {f"class {kind}": [str(count)] for kind, count in Counter(point.kind for point in theirs).items()}
+            self.assertEqual({name: value for name, value in table.items() if name.startswith("class ")}, kinds, (minor, form))
+            cells = Counter(tuple(math.floor(number) for number in point.place) for point in theirs)
+            ours = {cell: count for cell, count in self.field(file, "pointCount", "--axes", "file").items() if count > 0}
+            self.assertEqual(ours, cells, (minor, form))
 
     def test_lists_of_vertices_and_elements_before_them_are_passed_over(self) -> None:
         points = point_files.tree(50)
