@@ -14,6 +14,8 @@ import bpy
 
 def seen(name: str) -> List[Dict[str, Any]]:
     """The plants of a collection, by their names."""
+    # a background Blender computes places only when it is asked
+    bpy.context.view_layer.update()
     found = []
     for thing in sorted(bpy.data.collections[name].objects, key=lambda each: str(each["espalier_plant"])):
         if thing.parent is not None:

@@ -25,6 +25,18 @@ def gltf_of(file: Path) -> Dict[str, Any]:
     return parsed
 
 
+def organs(file: Path, plant: str) -> Tuple[int, int]:
+    """The instances of the organs of a plant, and the faces of all of them."""
+    gltf = gltf_of(file)
+    root = next(node for node in gltf["nodes"] if node.get("name") == plant)
+    count = faces = 0
+    for node in (gltf["nodes"][child] for child in root["children"] if "extensions" in gltf["nodes"][child]):
+        copies = gltf["accessors"][node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"]]["count"]
+        count += copies
+        faces += copies * sum(gltf["accessors"][part["indices"]]["count"] // 3 for part in gltf["meshes"][node["mesh"]]["primitives"])
+    return count, faces
+
+
 def counts(file: Path, plant: str) -> Tuple[int, int]:
     """Vertices and faces of the meshes of a plant that stand once, from the file's own tables."""
     gltf = gltf_of(file)
@@ -60,9 +72,10 @@ class Blender(unittest.TestCase):
         (cls.folder / "cut.glb").write_bytes(cls.pair.read_bytes()[:-100])
         with warnings.catch_warnings(), Server(program(), arguments=["--gallery", str(GALLERY)]) as server, server.connect() as client:
             warnings.simplefilter("ignore")  # no environment answers these trees
-            simulation = client.create(gallery="two-trees", plants=[(-2, 0, 0), (2, 0, 0)])
+            # with leaves, which are instances
+            simulation = client.create(gallery="textured-tree", seed=7, plants=[(-2, 0, 0), (2, 0, 0)])
             cls.states: List[Path] = []
-            other = client.create(gallery="two-trees", plants=[(-2, 0, 0), (2, 0, 0)])
+            other = client.create(gallery="textured-tree", seed=7, plants=[(-2, 0, 0), (2, 0, 0)])
             for step in range(4):
                 cls.states.append(cls.folder / f"state{step}.glb")
                 cls.states[-1].write_bytes(other.geometry())
@@ -100,11 +113,8 @@ class Blender(unittest.TestCase):
 
     def test_repeated_organs_share_one_mesh(self) -> None:
         plant = self.saw["files"]["leafy.glb"][0]
-        gltf = gltf_of(self.leafy)
-        node = next(node for node in gltf["nodes"] if "extensions" in node)
-        copies = gltf["accessors"][node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"]]
-        faces = sum(gltf["accessors"][part["indices"]]["count"] // 3 for part in gltf["meshes"][node["mesh"]]["primitives"])
-        self.assertEqual((plant["organs"], plant["organMeshes"], plant["organFaces"]), (copies["count"], 1, copies["count"] * faces))
+        self.assertEqual((plant["organs"], plant["organFaces"]), organs(self.leafy, plant["name"]))
+        self.assertEqual(plant["organMeshes"], 1)
         # the same leaves written one by one reach as high
         single = self.folder / "single.glb"
         espalier("run", model("textured-tree"), "--steps", "5", "--quiet", "-o", str(single))
@@ -131,6 +141,20 @@ class Blender(unittest.TestCase):
         for (_, plants), state in zip(self.saw["live"], self.states, strict=True):
             self.assertEqual([(plant["vertices"], plant["faces"]) for plant in plants], [counts(state, plant["name"]) for plant in plants])
         self.assertEqual(len({plant["pointer"] for _, plants in self.saw["live"] for plant in plants}), 2)
+
+    def test_a_live_link_shows_the_organs_of_each_step(self) -> None:
+        seen = []
+        for step, plants in self.saw["live"]:
+            single = self.folder / f"live{step}.glb"
+            espalier("run", model("textured-tree"), "--seed", "7", "--steps", str(step), "--quiet", "-o", str(single))
+            top = max(accessor["max"][1] for accessor in gltf_of(single)["accessors"] if "max" in accessor)
+            for plant in plants:
+                self.assertEqual((plant["organs"], plant["organFaces"]), organs(self.states[step], plant["name"]))
+                self.assertEqual(plant["organMeshes"], 1)
+                self.assertAlmostEqual(max([plant["organHigh"], *plant["high"][2:]]), top, 4)
+            seen.append(plants[0]["organs"])
+        # one leaf more would be seen
+        self.assertEqual((len(seen), len(set(seen))), (4, 4), seen)
 
     def test_what_cannot_be_used_is_said_in_one_sentence(self) -> None:
         self.assertIn("The file is no .glb of Espalier, or is damaged", self.saw["errors"]["cut.glb"])
