@@ -1,15 +1,16 @@
 """Strangers on the wire: silent connections end in time and lock nobody out, and no request keeps the network thread."""
 
 import json
+import multiprocessing
 import os
 import shlex
 import socket
 import ssl
 import subprocess
 import tempfile
-import threading
 import time
 import unittest
+from pathlib import Path
 from typing import Any, Dict, List, Optional
 
 from support import REPOSITORY, SECONDS, Process, Server, program
@@ -17,6 +18,7 @@ from support import REPOSITORY, SECONDS, Process, Server, program
 from espalier import Client
 
 HELLO = {"protocol": [1], "roles": ["controller"], "name": "probe", "version": "1"}
+PROCESSES = multiprocessing.get_context("fork")
 LONGEST_PING = 0.5  # seconds, on a machine that compiles beside the test
 
 
@@ -49,33 +51,33 @@ class Raw:
 
 
 class Pinging:
-    """A second client that pings all the time; `longest` is the longest answer since it was last read."""
+    """A second client, a process of its own, that pings all the time: a long answer that this one reads does not hold it up."""
 
     def __init__(self, address: str) -> None:
-        self._peer = Raw(address)
-        self._longest = 0.0
-        self._is_over = False
-        self._began: Optional[float] = None
-        self._thread = threading.Thread(target=self._ping, daemon=True)
-        self._thread.start()
+        self._began = PROCESSES.Value("d", time.monotonic())
+        self._longest = PROCESSES.Value("d", 0.0)
+        self._process = PROCESSES.Process(target=self._ping, args=(address,), daemon=True)
+        self._process.start()
 
-    def _ping(self) -> None:
-        while not self._is_over:
-            self._began = time.monotonic()
-            self._peer.ask("ping", {})
-            self._longest = max(self._longest, time.monotonic() - self._began)
+    def _ping(self, address: str) -> None:
+        peer = Raw(address)
+        while True:
+            self._began.value = time.monotonic()
+            peer.ask("ping", {})
+            with self._longest.get_lock():
+                self._longest.value = max(self._longest.value, time.monotonic() - self._began.value)
             time.sleep(0.001)
 
     def take_longest(self) -> float:
-        began = self._began
-        longest = max(self._longest, time.monotonic() - began if began is not None else 0.0)
-        self._longest = 0.0
+        """The longest answer since the last call."""
+        with self._longest.get_lock():
+            longest = max(self._longest.value, time.monotonic() - self._began.value)
+            self._longest.value = 0.0
         return longest
 
     def stop(self) -> None:
-        self._is_over = True
-        self._thread.join(SECONDS)
-        self._peer.close()
+        self._process.terminate()
+        self._process.join(SECONDS)
 
 
 def is_closed_within(peer: socket.socket, seconds: float) -> bool:
@@ -140,7 +142,9 @@ class NothingBlocks(unittest.TestCase):
     def setUp(self) -> None:
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
-        self.server = Server("--data", self.folder.name, "--allow-spawn")
+        self.models = Path(self.folder.name) / "models"
+        self.models.mkdir()
+        self.server = Server("--data", str(Path(self.folder.name) / "data"), "--models", str(self.models), "--allow-spawn")
         self.addCleanup(self.server.stop)
         self.peer = Raw(self.server.address)
         self.addCleanup(self.peer.close)
@@ -151,6 +155,13 @@ class NothingBlocks(unittest.TestCase):
         answer = self.peer.ask(method, params)
         self.assertIn("result", answer, (method, str(answer)[:300]))
         return dict(answer["result"])
+
+    def greet(self, hello: Dict[str, Any]) -> Dict[str, Any]:
+        """The result of hello on a new connection: it is said once on each."""
+        peer = Raw(self.server.address, hello)
+        self.addCleanup(peer.close)
+        self.assertIn("result", peer.hello)
+        return dict(peer.hello["result"])
 
     def test_environments_that_do_not_end_when_they_are_asked(self) -> None:
         # it goes on after its input has ended, and signals do not end it
@@ -167,26 +178,30 @@ class NothingBlocks(unittest.TestCase):
         self.assertLess(self.pinging.take_longest(), LONGEST_PING)
 
     def test_every_method_with_a_big_plant(self) -> None:
-        source = ("Lsystem: 1\nderivation length: 30\nAxiom: F(1)\nF(x) : x < 2 --> F(x)+(1)F(x)\nendlsystem\n")
+        # doubles for AGES steps, to more than a million modules; then each step draws half a million random numbers
+        source = ("#define AGES 19\nLsystem: 1\nderivation length: 30\nAxiom: A(0)\nA(x) : x == 15 --> F(1)A(x+1)+(1)A(x+1)\n"
+                  "A(x) : x < AGES --> A(x+1)+(1)A(x+1)\nA(x) --> A(AGES+ran(1))\nendlsystem\n")
         simulation = self.result("simulation.create", model={"source": source}, save=False)["simulation"]
-        self.result("simulation.step", simulation=simulation, steps=12)
+        self.result("simulation.step", simulation=simulation, steps=20)
         big = {"simulation": simulation}
+        statistics = self.result("simulation.get", **big, what="statistics")["statistics"]
+        self.assertGreater(statistics["modules"], 1_000_000)
         snapshot = self.result("simulation.save", **big, snapshot=True)["snapshot"]
         asked: Dict[str, List[Dict[str, Any]]] = {
             "model.check": [{"source": source + " " * 5_000_000}],
             "model.load": [{"source": source}],
             "model.list": [{}],
-            "model.read": [{"gallery": "light-tree"}, {"saved": "big"}],
             "model.save": [{"name": "big", "files": {"big.l": source + " " * 5_000_000}}],
+            "model.read": [{"gallery": "light-tree"}, {"saved": "big"}],
             "editor.message": [{"message": "{}"}],
             "simulation.create": [{"model": {"source": source}}],
             "simulation.step": [big],
-            "simulation.run": [{**big, "until": 14}],
+            "simulation.run": [{**big, "until": 24}],
             "simulation.get": [{**big, "what": what} for what in ("string", "state-hash", "turtle", "statistics", "model")],
             "simulation.save": [{**big, "checkpoint": "kept"}],
             "simulation.restore": [{**big, "checkpoint": "kept"}, {**big, "snapshot": snapshot}],
             "simulation.pause": [big],
-            "simulation.set": [{**big, "parameters": {"x": 1}}],
+            "simulation.set": [{**big, "parameters": {"AGES": 18}}],
             "simulation.edit": [{**big, "action": "prune", "plant": 0, "module": 1}],
             "simulation.fork": [big],
             "simulation.trace": [{**big, "trace": True}],
@@ -194,8 +209,8 @@ class NothingBlocks(unittest.TestCase):
             "environment.list": [{}],
             "environment.offer": [{"name": "mine"}],
             "stream.open": [{**big, "what": "turtle"}],
-            "stream.ack": [{"stream": "none"}],
-            "stream.close": [{"stream": "none"}],
+            "stream.ack": [{"stream": "", "sequence": 0}],
+            "stream.close": [{"stream": ""}],
             "server.status": [{}],
             "ping": [{"x": [{"a": [1, 2]}] * 200_000}],
             "hello": [HELLO],
@@ -208,11 +223,15 @@ class NothingBlocks(unittest.TestCase):
         sent = {"environment.describe", "environment.open", "environment.step", "environment.save", "environment.restore",
                 "environment.close", "stream.data", "stream.end", "server.shutdown", "$/progress"}
         self.assertEqual(set(schema["$defs"]["methods"]) - sent, set(asked))
+        stream = ""
         self.pinging.take_longest()
         for method, calls in asked.items():
             for params in calls:
-                answer = self.peer.ask(method, params)
-                self.assertTrue("result" in answer or "error" in answer)
+                if method == "hello":
+                    result = self.greet(params)
+                else:
+                    result = self.result(method, **({**params, "stream": stream} if "stream" in params else params))
+                stream = result.get("stream", stream)
                 longest = self.pinging.take_longest()
                 self.assertLess(longest, LONGEST_PING, method)
 
