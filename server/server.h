@@ -45,7 +45,7 @@ struct ServerOptions {
   std::function<void()> aliveSignal;
   bool isInsecureAllowed = false;  // a non-loopback address without TLS
   RemotePermissions remote;        // environments in other processes that clients may name
-  unsigned workers = 0;            // 0: as many as cores
+  unsigned workers = 0;            // 0: processorCount() of server/remote/control_group.h
   unsigned threads = 1;            // of one step; the plant is the same for any number
   ServerLimits limits;
   std::string logLevel = "info";   // trace debug info warn error off

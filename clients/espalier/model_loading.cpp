@@ -404,7 +404,7 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
   command
       .add_option("--threads", options.threads,
                   "Threads for strings of more than 65536 modules and for the rays of the environment 'light';\n"
-                  "0: as many as the machine has. The result does not depend on their number")
+                  "0: as many as the process may use processors. The result does not depend on their number")
       ->type_name("N")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

@@ -33,7 +33,7 @@ struct ModelOptions {
   std::string compatibility;         // "", "cpfg" or "cpfg-batch"
   std::vector<std::string> defines;  // NAME=VALUE
   std::vector<std::string> limits;   // NAME=NUMBER
-  unsigned threads = 0;              // 0: as many as the machine has
+  unsigned threads = 0;              // 0: as many as the process may use
   bool isAnimated = false;           // the animation file decides which step is the last
   std::string startFile;             // string that takes the axiom's place; empty: none
   RemoteOptions remote;
@@ -45,7 +45,7 @@ struct ModelOptions {
 
   [[nodiscard]] core::Compatibility mode() const;
   [[nodiscard]] core::Limits simulationLimits() const;
-  /// `threads`, or as many as the machine has.
+  /// `threads`, or as many as the process may use.
   [[nodiscard]] unsigned threadCount() const;
   /// `remote`, with threadCount() for the environment of one run.
   [[nodiscard]] RemoteOptions environmentOptions() const;

@@ -57,7 +57,7 @@ struct SimulationOptions {
   std::uint64_t seed = 0;
   bool hasSeed = false;                           // given by the caller: replaces `seed:`
   std::optional<std::uint64_t> derivationLength;  // replaces the model's
-  unsigned threads = 1;
+  unsigned threads = 1;                           // 0 is 1: the caller knows how many the process may use
   core::Limits limits;
   turtle::World world;  // of a new run; a restored snapshot brings its own
   Coupling coupling;    // of a new run; a restored snapshot brings its own

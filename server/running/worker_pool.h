@@ -25,7 +25,7 @@ enum class Lane : std::uint8_t {
 };
 
 struct WorkerPoolOptions {
-  unsigned workers = 0;  // tasks of a lane that compute at a time; 0: as many as cores. Short has at least two
+  unsigned workers = 0;  // tasks of a lane that compute at a time; 0: processorCount(). Short has at least two
   /// A task that computes longer goes on, and another task begins beside it.
   std::chrono::milliseconds overtime{250};
 };

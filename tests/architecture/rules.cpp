@@ -142,6 +142,24 @@ std::vector<std::string> inputAndOutput(const std::vector<SourceFile>& files) {
   return breaches;
 }
 
+std::vector<std::string> processorsOfTheMachine(const std::vector<SourceFile>& files) {
+  static const std::regex kAsking(
+      R"(\b(hardware_concurrency|sched_getaffinity|get_nprocs(_conf)?|_SC_NPROCESSORS_\w+|omp_get_\w+)\b)");
+  std::vector<std::string> breaches;
+  for (const SourceFile& file : files) {
+    if (!isCpp(file) || startsWith(file.name, "tests/") || file.name == "server/remote/control_group.cpp") {
+      continue;
+    }
+    const std::string code = withoutCommentsAndLiterals(file.text);
+    for (auto match = std::sregex_iterator(code.begin(), code.end(), kAsking); match != std::sregex_iterator();
+         ++match) {
+      breaches.push_back(file.name + " uses " + match->str() +
+                         ": use processorCount() of server/remote/control_group.h, or take the number from the caller");
+    }
+  }
+  return breaches;
+}
+
 std::vector<std::string> elementaryFunctionsOfTheCLibrary(const std::vector<SourceFile>& files) {
   static const std::regex kFunctions(
       R"(std::(a?(sin|cos|tan)h?|atan2|exp2?|expm1|log(2|10|1p)?|pow|hypot|cbrt|erfc?|[lt]gamma)\s*\()");

@@ -20,6 +20,9 @@ namespace espalier::test {
 /// engine/, environment/ and protocol/ never print, log, exit, read the clock, the environment or a file.
 [[nodiscard]] std::vector<std::string> inputAndOutput(const std::vector<SourceFile>& files);
 
+/// Only server/remote/control_group asks how many processors the machine has: a container may use fewer of them.
+[[nodiscard]] std::vector<std::string> processorsOfTheMachine(const std::vector<SourceFile>& files);
+
 /// The engine, environments, server/remote and the command line compute with core::sin and its like
 /// (engine/core/elementary.h), which have the same bits on every processor. Files `published_…` reproduce programs that
 /// were computed with the C library.

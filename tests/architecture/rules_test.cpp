@@ -37,6 +37,10 @@ TEST(Architecture, EngineEnvironmentAndProtocolDoNoInputOrOutput) {
   EXPECT_EQ(lines(inputAndOutput(tree())), "");
 }
 
+TEST(Architecture, OnlyTheControlGroupAsksForTheProcessorsOfTheMachine) {
+  EXPECT_EQ(lines(processorsOfTheMachine(tree())), "");
+}
+
 TEST(Architecture, OwnModeUsesNoElementaryFunctionOfTheCLibrary) {
   EXPECT_EQ(lines(elementaryFunctionsOfTheCLibrary(tree())), "");
 }
@@ -96,6 +100,18 @@ TEST(ArchitectureRules, InputAndOutputAreSeen) {
   EXPECT_EQ(inputAndOutput({{"environment/a.cpp", "void f() { std::printf (\"x\"); }"}}).size(), 1U);
   EXPECT_EQ(inputAndOutput({{"protocol/a.cpp", "#include <chrono>\n"}}).size(), 1U);
   EXPECT_EQ(inputAndOutput({{"engine/core/a.cpp", "auto f = fopen(name, mode);"}}).size(), 1U);
+}
+
+TEST(ArchitectureRules, AskingTheMachineForItsProcessorsIsSeen) {
+  EXPECT_EQ(
+      processorsOfTheMachine({{"engine/a.cpp", "auto n = std::thread::hardware_concurrency();"}}),
+      Breaches{"engine/a.cpp uses hardware_concurrency: use processorCount() of server/remote/control_group.h, or "
+               "take the number from the caller"});
+  EXPECT_EQ(processorsOfTheMachine({{"clients/espalier/a.cpp", "::sysconf(_SC_NPROCESSORS_ONLN)"}}).size(), 1U);
+  EXPECT_EQ(processorsOfTheMachine({{"server/remote/control_group.cpp", "hardware_concurrency()"},
+                                    {"tests/a.cpp", "hardware_concurrency()"},
+                                    {"engine/b.cpp", "// hardware_concurrency"}}),
+            Breaches{});
 }
 
 TEST(ArchitectureRules, TalkingAboutPrintingIsNoBreach) {

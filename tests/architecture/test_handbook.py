@@ -302,6 +302,25 @@ class Facts(unittest.TestCase):
         page = set(re.findall(r"^\| `(\w+)` \|", read(ROOT / "tests" / "README.md").split("## Stages")[1], re.MULTILINE))
         self.assertEqual(named, page)
 
+    def test_dev_follows_the_quota_of_the_control_group(self) -> None:
+        code = read(ROOT / "dev")
+        begin = code.index("\ncores() {")
+        body = code[begin:code.index("\n}\n", begin) + 3]
+        available = len(os.sched_getaffinity(0))
+        cases = {"max 100000": available, "100000 100000": 1, "50000 100000": 1, "150000 100000": min(2, available),
+                 "99900000 100000": available}
+        with tempfile.TemporaryDirectory() as folder:
+            script = body.replace("/sys/fs/cgroup", folder) + "cores"
+
+            def cores() -> int:
+                return int(subprocess.run(["bash", "-euo", "pipefail", "-c", script], capture_output=True, text=True,
+                                          check=True).stdout)
+
+            self.assertEqual(cores(), available)
+            for quota, expected in cases.items():
+                (Path(folder) / "cpu.max").write_text(quota + "\n", encoding="ascii")
+                self.assertEqual(cores(), expected, quota)
+
 
 if __name__ == "__main__":
     unittest.main()

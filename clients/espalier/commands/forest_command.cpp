@@ -508,7 +508,9 @@ void addForest(CLI::App& program, int& status) {
                     "Draw the trees of --model with the thickness, leaves and flowers of the report");
   command->add_flag_callback(
       "--no-ground", [options] { options->hasGround = false; }, "Do not draw the ground");
-  command->add_option("--threads", options->model.threads, "Threads for growing trees; 0: as many as the machine has")
+  command
+      ->add_option("--threads", options->model.threads,
+                   "Threads for growing trees; 0: as many as the process may use processors")
       ->check(CLI::Range(0, 1024));
   command->add_flag("--quiet", options->model.isQuiet, "Print only errors");
   addOutputOptions(*command, options->outputs, false, true);

@@ -9,7 +9,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -24,6 +23,7 @@
 #include "clients/espalier/sweep/slurm_job.h"
 #include "clients/espalier/sweep/sweep.h"
 #include "environment/registry.h"
+#include "server/remote/control_group.h"
 #include "server/remote/disk_files.h"
 #include "server/remote/limits.h"
 #include "server/remote/models/gallery.h"
@@ -40,7 +40,7 @@ constexpr const char* kStandardInput = "-";
 struct SweepOptions {
   std::string plan;
   std::string output;
-  unsigned workers = 0;  // 0: as many as the machine has
+  unsigned workers = 0;  // 0: as many as the process may use
   Slice slice;
   bool isPiped = false;
   bool printsSchema = false;
@@ -51,9 +51,7 @@ struct SweepOptions {
   bool isQuiet = false;
   bool allowsFolderPrograms = false;
 
-  [[nodiscard]] unsigned workerCount() const {
-    return workers > 0 ? workers : std::max(1U, std::thread::hardware_concurrency());
-  }
+  [[nodiscard]] unsigned workerCount() const { return workers > 0 ? workers : server::processorCount(); }
 };
 
 std::atomic<bool> isInterrupted{false};
@@ -480,7 +478,7 @@ void addSweep(CLI::App& program, int& status) {
   command->add_option("plan", options->plan, "The plan; -: from standard input")->type_name("PLAN.json");
   command->add_option("-o,--output", options->output, "File of the results, an SQLite database")
       ->type_name("FILE.sqlite");
-  addWholeNumber(*command, "--workers", "Runs at the same time; 0: as many as the machine has cores", 0, 4096,
+  addWholeNumber(*command, "--workers", "Runs at the same time; 0: as many as the process may use processors", 0, 4096,
                  [options](std::uint64_t workers) { options->workers = static_cast<unsigned>(workers); })
       ->type_name("N");
   command

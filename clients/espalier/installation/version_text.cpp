@@ -5,9 +5,9 @@
 
 #include <filesystem>
 #include <fstream>
-#include <thread>
 
 #include "protocol/version.h"
+#include "server/remote/control_group.h"
 #include "server/remote/models/gallery.h"
 
 namespace espalier::command {
@@ -60,8 +60,7 @@ std::string verboseVersionText() {
 #endif
   text += "C library   glibc " + std::string(::gnu_get_libc_version()) + "\n";
   text += "system      " + std::string(system.sysname) + " " + system.release + " " + system.machine + "\n";
-  text += "processor   " + processorFact("model name") + ", " + std::to_string(std::thread::hardware_concurrency()) +
-          " threads\n";
+  text += "processor   " + processorFact("model name") + ", " + std::to_string(server::processorCount()) + " threads\n";
   text += "vectors     " + vectorInstructions() + "\n";
   text += "program     " + std::filesystem::read_symlink("/proc/self/exe", error).string() + "\n";
   text += "gallery     " + orMissing(server::galleryOfProgram()) + "\n";

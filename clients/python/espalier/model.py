@@ -37,7 +37,7 @@ class Model:
 
     `model`: a folder, a file or the name of a gallery model. `parameters`: names, or a mapping from names to what they
     change, as in a plan of `espalier sweep` (docs/sweeps.md). `measures`, and `settings` such as environment, steps, defines
-    and answered, are the plan's members. `workers`: runs at the same time; 0: as many as the machine has cores.
+    and answered, are the plan's members. `workers`: runs at the same time; 0: as many as the process may use processors.
 
     `client`: a Dask client. Its workers, which have the package and the program and reach the model under the same name, then
     make the runs. `host`: a machine that `ssh` reaches without a password; the program there makes the runs. The model is

@@ -1,7 +1,6 @@
 #include "engine/derivation/scan/step_scan.h"
 
 #include <algorithm>
-#include <thread>
 
 #include "engine/derivation/parallel/parallel_batch_scan.h"
 #include "engine/derivation/parallel/parallel_general_scan.h"
@@ -18,9 +17,7 @@ constexpr std::uint64_t kReserve = 64;
 
 StepScan::StepScan(ScanContext& context, SubSystems& calls)
     : context_(&context),
-      threadCount_(std::min(kMostThreads, context.options.threads != 0
-                                              ? context.options.threads
-                                              : std::max(std::thread::hardware_concurrency(), 1U))),
+      threadCount_(std::clamp(context.options.threads, 1U, kMostThreads)),
       needsLinks_(std::any_of(context.tables.begin(), context.tables.end(),
                               [](const SystemTables& tables) { return tables.hasContexts; })),
       rewriter_(context),

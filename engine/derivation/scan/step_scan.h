@@ -48,7 +48,7 @@ class StepScan {
   [[nodiscard]] core::WorkerTeam& team();
 
   ScanContext* context_;
-  unsigned threadCount_ = 1;  // DerivationOptions::threads, or as many as the machine has
+  unsigned threadCount_ = 1;  // DerivationOptions::threads within 1 to kMostThreads
   bool needsLinks_ = false;   // contexts follow the brackets of the old string
   ModuleRewriter rewriter_;
   PlainScan plain_;

@@ -4,7 +4,6 @@
 #include <exception>
 #include <span>
 #include <string>
-#include <thread>
 #include <utility>
 
 namespace espalier::simulation {
@@ -65,7 +64,7 @@ void DerivationPass::requireTogether(std::uint64_t modules, std::uint64_t bytes)
 }
 
 unsigned DerivationPass::threadCount() const {
-  return options_->threads == 0 ? std::max(std::thread::hardware_concurrency(), 1U) : options_->threads;
+  return std::max(options_->threads, 1U);
 }
 
 bool DerivationPass::isLong(std::size_t plant) const {
