@@ -80,6 +80,11 @@ class Worlds(unittest.TestCase):
         end = str(self.folder / "end.string")
         espalier("run", "--resume", snapshot, "--steps", "3", "-o", end, "--quiet")
         self.assertEqual(light(Path(end).read_text())[0], expected[3])
+        # the trace holds the world too, with its offset
+        trace = self.folder / "run.trace"
+        espalier("run", "--resume", snapshot, "--steps", "3", "--trace", str(trace), "-o", end, "--quiet")
+        self.assertIn(WORLD["start"].encode(), trace.read_bytes())
+        espalier("replay", str(trace))
         failed = espalier("run", "--resume", snapshot, "--world", world, "-o", end, status=1)
         self.assertIn("--world and --step-duration are for a new run", failed.stderr)
 
