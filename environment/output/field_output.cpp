@@ -229,7 +229,7 @@ tl::expected<std::vector<double>, std::string> dataOf(const Element& array, cons
 
 }  // namespace
 
-std::string writeVti(std::span<const Field> fields) {
+std::string writeVti(std::span<const Field> fields, std::string_view lengthUnit) {
   const Field& first = fields.front();
   const std::string extent = "0 " + std::to_string(first.cells[0]) + " 0 " + std::to_string(first.cells[1]) + " 0 " +
                              std::to_string(first.cells[2]);
@@ -237,8 +237,9 @@ std::string writeVti(std::span<const Field> fields) {
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n<ImageData WholeExtent=\"" +
       extent + "\" Origin=\"" + threeNumbers(first.position.x, first.position.y, first.position.z) + "\" Spacing=\"" +
-      threeNumbers(first.cellSize.x, first.cellSize.y, first.cellSize.z) + "\">\n<Piece Extent=\"" + extent +
-      "\">\n<CellData Scalars=\"" + escaped(first.name) + "\">\n";
+      threeNumbers(first.cellSize.x, first.cellSize.y, first.cellSize.z) + "\"" +
+      (lengthUnit == "m" ? std::string() : " LengthUnit=\"" + escaped(lengthUnit) + "\"") + ">\n<Piece Extent=\"" +
+      extent + "\">\n<CellData Scalars=\"" + escaped(first.name) + "\">\n";
   for (const Field& field : fields) {
     text += "<DataArray type=\"Float64\" Name=\"" + escaped(field.name) + "\" Unit=\"" + escaped(field.unit) +
             "\" format=\"binary\">\n" + core::toBase64(littleEndian(8 * field.values.size()) + bytesOf(field.values)) +

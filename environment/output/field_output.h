@@ -15,7 +15,8 @@ namespace espalier::environment {
 
 /// The text of a VTK image data file (.vti, XML) with the fields as cell data: doubles, base64, little-endian. All
 /// fields must have the same cells; ParaView and VTK read it. O(cells).
-[[nodiscard]] std::string writeVti(std::span<const turtle::Field> fields);
+/// `lengthUnit`: of places and sizes; the attribute LengthUnit of the image says it unless it is the metre.
+[[nodiscard]] std::string writeVti(std::span<const turtle::Field> fields, std::string_view lengthUnit = "m");
 
 /// Reads a .vti file with one piece, little-endian, whose cell data are ascii, inline base64 or appended (base64 or
 /// raw), of any VTK number type, not compressed or by vtkZLibDataCompressor; units are kept in our own files. The error

@@ -168,7 +168,7 @@ HttpPage fieldPage(simulation::Simulation& simulation, const std::string& file, 
     return problemPage(404, "The environment has no field '" + std::string(name) +
                                 "'. Its fields: " + (known.empty() ? "none" : known) + ".");
   }
-  sink.write(environment::writeVti(std::span(&*found, 1)));
+  sink.write(environment::writeVti(std::span(&*found, 1), simulation.options().world.lengthUnit));
   return filePage(sink.take(), file);
 }
 

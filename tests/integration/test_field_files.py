@@ -67,6 +67,21 @@ class Files(unittest.TestCase):
         self.assertEqual([path.name for path in self.folder.iterdir() if path.name.startswith(".espalier")], [])
 
     @unittest.skipUnless(shutil.which("ncdump"), "ncdump is not installed (Debian: netcdf-bin)")
+    def test_the_unit_of_length_is_that_of_the_world(self) -> None:
+        (self.folder / "world.json").write_text('{"lengthUnit": "cm"}', encoding="utf-8")
+        (self.folder / "e.json").write_text('{"type": "emission", "gridSize": [3, 4, 2], "cellSize": 0.5}', encoding="utf-8")
+        vti = self.folder / "cm.vti"
+        espalier("run", str(GALLERY / "litter-ring"), "--environment", str(self.folder / "e.json"), "--world", str(self.folder / "world.json"),
+                 "--steps", "1", "--quiet", "-o", str(self.folder / "r.string"), "--field", str(vti))
+        self.assertIn(' LengthUnit="cm">', vti.read_text(encoding="utf-8"))
+        for name in ("cm.nc", "cm.zarr"):
+            tool(str(vti), str(self.folder / name))
+            data = fields.open_dataset(self.folder / name)
+            self.addCleanup(data.close)
+            self.assertEqual({data[axis].attrs["units"] for axis in "xyz"}, {"cm"})
+            tool(str(self.folder / name), str(self.folder / "again.vti"))
+            self.assertEqual((self.folder / "again.vti").read_bytes(), vti.read_bytes())
+
     def test_ncdump_reads_like_a_data_set(self) -> None:
         self.opened("water.nc")
         said = subprocess.run(["ncdump", "-h", str(self.folder / "water.nc")], capture_output=True, text=True, check=True).stdout
@@ -103,7 +118,7 @@ class Files(unittest.TestCase):
         # x fastest
         self.assertEqual((unit, struct.unpack("<27d", raw)[:4]), ("m-1", (0.0, 9.0, 18.0, 3.0)))
         for change, said in ((lambda d: d.assign_coords(x=[0, 1, 3]), "not equal and rising"),
-                             (lambda d: d.assign_coords(x=("x", axis, {"units": "km"})), "is in 'km'"),
+                             (lambda d: d.assign_coords(x=("x", axis, {"units": "km"})), "are in 'km' and 'm'"),
                              (lambda d: d.rename(x="lon"), "no axis x"),
                              (lambda d: d.where(d.density > 3), "missing or not finite"),
                              (lambda d: d.isel(x=slice(0, 1)), "one cell and no bounds"),

@@ -124,7 +124,7 @@ bool FieldOutputs::writeFile(const Output& output, const std::vector<Field>& fie
   std::string remark = " (" + listOf(chosen) + ")";
   std::optional<std::string> problem;
   if (output.suffix == ".vti") {
-    problem = server::writeFileAtomically(file, environment::writeVti(chosen));
+    problem = server::writeFileAtomically(file, environment::writeVti(chosen, lengthUnit_));
   } else if (output.suffix == ".raw") {
     problem = server::writeFileAtomically(file, environment::writeRaw(chosen.front()));
     problem =
@@ -195,6 +195,7 @@ bool FieldOutputs::addStep(simulation::Simulation& simulation, std::optional<std
   if (outputs_.empty() || (!number && !hasTable)) {
     return true;
   }
+  setLengthUnit(simulation.options().world.lengthUnit);
   const std::vector<Field> fields =
       simulation.environment() == nullptr ? std::vector<Field>{} : simulation.environment()->fields();
   for (Output& output : outputs_) {
@@ -211,6 +212,7 @@ bool FieldOutputs::finish(simulation::Simulation& simulation, bool isEveryStepWr
   if (outputs_.empty()) {
     return true;
   }
+  setLengthUnit(simulation.options().world.lengthUnit);
   const std::vector<Field> fields =
       simulation.environment() == nullptr ? std::vector<Field>{} : simulation.environment()->fields();
   return std::all_of(outputs_.begin(), outputs_.end(), [&](const Output& output) {

@@ -26,6 +26,8 @@ class FieldOutputs {
 
   /// Reads the specifications. False: one is wrong, an error was written.
   [[nodiscard]] bool parse();
+  /// In which the places of the fields are; until it is said, metres.
+  void setLengthUnit(const std::string& unit) { lengthUnit_ = unit; }
   /// Begins a run: tables are empty, and with `variant` all files have that number.
   void begin(std::optional<std::uint64_t> variant);
   /// The files without their numbers.
@@ -65,6 +67,7 @@ class FieldOutputs {
   std::vector<std::string> specifications_;
   std::optional<std::uint64_t> variant_;
   std::vector<Output> outputs_;
+  std::string lengthUnit_ = "m";
 };
 
 }  // namespace espalier::command

@@ -16,6 +16,7 @@ class FieldWritingProcess final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext& context) override {
     outputs_.begin(std::nullopt);
+    outputs_.setLengthUnit(context.world.lengthUnit);
     auto error = process_->open(context);
     return error ? error : write(0);
   }

@@ -121,6 +121,28 @@ std::string layerText(const SoilLayer& soil) {
 
 constexpr SoilLayer kLoam{0.08, 0.43, 0.04, 1.6, 50.0, 1e-6};
 constexpr SoilLayer kClay{0.1, 0.4, 0.01, 1.1, 10.0, 1e-6};
+constexpr SoilLayer kSand{0.045, 0.43, 0.15, 3.0, 1000.0, 1e-6};
+
+constexpr double kRoot = 0.02;
+constexpr double kOuter = 0.6;
+constexpr double kDry = -15'000.0;
+/// Side of a cell that has the volume of the cylinder of soil around the root.
+double sideOfCell() {
+  return std::sqrt(std::numbers::pi * (kOuter * kOuter - kRoot * kRoot));
+}
+
+/// One root in a cell of soil, which asks for a flow; the root itself does not resist.
+StandingRoots rootInCell(const SoilLayer& layer, double flow, double stepDays) {
+  const double side = sideOfCell();
+  StandingRoots roots(R"({"transpiration":[[0,)" + text(flow) + R"(]],"lowestHead":)" + text(kDry) +
+                          R"(,"kr":1000,"kx":1000000,"soil":[{"type":"soil-water","gridSize":[1,1,1],"cellSize":[)" +
+                          text(side) + ",1," + text(side) +
+                          R"(],"position":[0,-1,0],"bottom":"closed","initialHead":-100,"layers":)" + layerText(layer) +
+                          "}]}",
+                      stepDays, {0, 1, 0});
+  roots.segment({0.5 * side, 0, 0.5 * side}, {0.5 * side, -1, 0.5 * side}, kRoot, 0, 1);
+  return roots;
+}
 
 CaseResult oneRoot(const Data&) {
   struct Run {
@@ -136,22 +158,11 @@ CaseResult oneRoot(const Data&) {
       Run{"clay", &kClay, 0.1, 8.525, 0.01, "DuMux 0.022, OpenSimRoot 0.084, R-SWMS 0.011",
           "nRMSE: DuMux 0.057, OpenSimRoot 0.034, R-SWMS 0.007"},
       Run{"clay", &kClay, 0.05, 17.47, 0.01, "DuMux 0.012, OpenSimRoot 0.078, R-SWMS 0.008", ""}};
-  constexpr double kRoot = 0.02;
-  constexpr double kOuter = 0.6;
-  constexpr double kDry = -15'000.0;
   CaseResult result;
   for (const Run& run : runs) {
-    // a cell with the volume of the cylinder; the root itself does not resist
-    const double side = std::sqrt(std::numbers::pi * (kOuter * kOuter - kRoot * kRoot));
     const double flow = run.q * 2.0 * std::numbers::pi * kRoot;
     const double stepDays = run.onset / 5000.0;
-    StandingRoots roots(R"({"transpiration":[[0,)" + text(flow) + R"(]],"lowestHead":)" + text(kDry) +
-                            R"(,"kr":1000,"kx":1000000,"soil":[{"type":"soil-water","gridSize":[1,1,1],"cellSize":[)" +
-                            text(side) + ",1," + text(side) +
-                            R"(],"position":[0,-1,0],"bottom":"closed","initialHead":-100,"layers":)" +
-                            layerText(*run.layer) + "}]}",
-                        stepDays, {0, 1, 0});
-    roots.segment({0.5 * side, 0, 0.5 * side}, {0.5 * side, -1, 0.5 * side}, kRoot, 0, 1);
+    StandingRoots roots = rootInCell(*run.layer, flow, stepDays);
     double day = 0.0;
     double cell = -100.0;
     const std::string name = run.soil + (run.q == 0.1 ? " 0.1 cm/day" : " 0.05 cm/day");
@@ -182,6 +193,18 @@ CaseResult oneRoot(const Data&) {
     }
     result.rows.push_back(
         {name + ", heads from 0.05 cm at the onset, relative", worst.value(), run.tolerance, run.publishedHeads});
+  }
+  // sand lets so little through that the root is under stress at once
+  for (const double q : {0.1, 0.05}) {
+    const double flow = q * 2.0 * std::numbers::pi * kRoot;
+    constexpr double kStepDays = 0.0005;
+    StandingRoots roots = rootInCell(kSand, flow, kStepDays);
+    double day = 0.0;
+    while (day < 0.1 && roots.step() && roots.reply(0, kCollarFlow) >= (1.0 - 1e-6) * flow) {
+      day += kStepDays;
+    }
+    result.rows.push_back({"sand " + std::string(q == 0.1 ? "0.1" : "0.05") + " cm/day, onset of stress, day",
+                           roots.failure().empty() ? day : NAN, 0.001, ""});
   }
   return result;
 }

@@ -24,7 +24,7 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple, cast
 
-from .fields_checks import MOST_CELLS, FieldError as FieldError, FieldWarning as FieldWarning, check_netcdf, check_zarr, checked_store
+from .fields_checks import LENGTH_UNITS, MOST_CELLS, FieldError as FieldError, FieldWarning as FieldWarning, check_netcdf, check_zarr, checked_store
 from .version import VERSION
 
 AXES = ("x", "y", "z")
@@ -46,6 +46,7 @@ class Fields(NamedTuple):
     """The quantities of one step."""
     grid: Grid
     quantities: Dict[str, Tuple[str, bytes]]  # unit, and little-endian doubles with x fastest, then y, then z
+    length_unit: str = "m"  # of the grid
 
 
 def _count(grid: Grid, where: str) -> int:
@@ -61,8 +62,7 @@ def read_vti(path: "str | os.PathLike[str]") -> Fields:
     """Reads a .vti file that Espalier wrote. Raises FieldError."""
     try:
         text = Path(path).read_text(encoding="utf-8")
-        # entities could grow without bound
-        if "<!" in text:
+        if "<!" in text:  # entities could grow without bound
             raise FieldError(f"{path} has declarations, which a .vti file of Espalier has not: write the file again.")
         image = xml.fromstring(text).find("ImageData")
         if image is None:
@@ -84,7 +84,7 @@ def read_vti(path: "str | os.PathLike[str]") -> Fields:
         raise FieldError(f"{path} cannot be read as a .vti file ({error}): write it again with `espalier run --field`.") from None
     if not quantities:
         raise FieldError(f"{path} has no quantities: write it again with `espalier run --field`.")
-    return Fields(grid, quantities)
+    return Fields(grid, quantities, image.attrib.get("LengthUnit", "m"))
 
 
 def vti_text(fields: Fields) -> Iterator[str]:
@@ -94,7 +94,8 @@ def vti_text(fields: Fields) -> Iterator[str]:
 
     extent = " ".join(f"0 {count}" for count in fields.grid.cells)
     yield ('<?xml version="1.0"?>\n<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
-           f'<ImageData WholeExtent="{extent}" Origin="{numbers(fields.grid.position)}" Spacing="{numbers(fields.grid.spacing)}">\n'
+           f'<ImageData WholeExtent="{extent}" Origin="{numbers(fields.grid.position)}" Spacing="{numbers(fields.grid.spacing)}"'
+           + ("" if fields.length_unit == "m" else f' LengthUnit="{fields.length_unit}"') + ">\n"
            f'<Piece Extent="{extent}">\n<CellData Scalars="{next(iter(fields.quantities))}">\n')
     for name, (unit, raw) in fields.quantities.items():
         yield f'<DataArray type="Float64" Name="{name}" Unit="{unit}" format="binary">\n'
@@ -121,14 +122,14 @@ def dataset(steps: Sequence[Fields], numbers: "Sequence[int] | None" = None) -> 
     first = steps[0]
     _count(first.grid, "the grid")
     for step in steps:
-        if step.grid != first.grid or {n: u for n, (u, _) in step.quantities.items()} != {n: u for n, (u, _) in first.quantities.items()}:
+        if (step.grid, step.length_unit) != (first.grid, first.length_unit) or {n: u for n, (u, _) in step.quantities.items()} != {n: u for n, (u, _) in first.quantities.items()}:
             raise FieldError("the files have different grids or quantities: give files of one run.")
     variables: Dict[str, Any] = {}
     coordinates: Dict[str, Any] = {"step": ("step", numpy.asarray(range(len(steps)) if numbers is None else numbers, dtype="i4"),
                                             {"long_name": "number of the step", "units": "1"})}
     for name, count, low, size in zip(AXES, *first.grid):
         edges = low + size * numpy.arange(count + 1)
-        attributes = {"long_name": "height" if name == "y" else f"distance along {name}", "units": "m", "axis": CF_AXES[name],
+        attributes = {"long_name": "height" if name == "y" else f"distance along {name}", "units": first.length_unit, "axis": CF_AXES[name],
                       "bounds": f"{name}_bnds", **({"positive": "up", "standard_name": "height"} if name == "y" else {})}
         coordinates[name] = (name, low + size * (numpy.arange(count) + 0.5), attributes)
         variables[f"{name}_bnds"] = ((name, "bnds"), numpy.stack([edges[:-1], edges[1:]], axis=1))
@@ -243,13 +244,15 @@ def _cells(data: Any, name: str, sign: int, own: "Tuple[float, float] | None") -
     return float(middles[0]) - size / 2, size, step
 
 
-def _grid(data: Any) -> Tuple[Grid, List[str], Tuple[int, ...]]:
-    """The cells of a data set, its axes that are x, y and z of a model, and -1 for each that descends."""
+def _grid(data: Any) -> Tuple[Grid, List[str], Tuple[int, ...], str]:
+    """The cells of a data set, its axes that are x, y and z of a model, -1 for each that descends, and the unit of length."""
+    units = set()
     for name in AXES:
         if name not in data.coords or data[name].dims != (name,):
             raise FieldError(f"the data set has no axis {name}: it needs the coordinates x, y and z in metres.")
-        if data[name].attrs.get("units", "m") not in ("m", "metre", "meter", "metres", "meters"):
-            raise FieldError(f"the axis {name} is in {data[name].attrs['units']!r}: convert it to metres, or to the unit of the model without units.")
+        units.add(LENGTH_UNITS.get(unit := str(data[name].attrs.get("units", "m")).lower(), unit))
+    if len(units) != 1 or not units <= set(LENGTH_UNITS.values()):
+        raise FieldError(f"the axes are in {' and '.join(map(repr, sorted(units)))}: convert all to m, dm, cm or mm, the unit of the model's world.")
     sources, own = _turned(data), {}
     counts: Any = tuple(int(data.sizes[name]) for name, _ in sources)
     _count(Grid(counts, (0, 0, 0), (1, 1, 1)), "the data set")
@@ -257,13 +260,13 @@ def _grid(data: Any) -> Tuple[Grid, List[str], Tuple[int, ...]]:
         own = dict(zip(AXES, zip(*[tuple(map(float, data.attrs[key])) for key in ("espalier_position", "espalier_cell_size")])))
     lows, sizes, ways = cast(Any, zip(*[_cells(data, name, sign, own.get(name)) for name, sign in sources]))  # type: ignore[arg-type]
     _count(grid := Grid(counts, lows, sizes), "the data set")
-    return grid, [name for name, _ in sources], ways
+    return grid, [name for name, _ in sources], ways, units.pop()
 
 
 def fields_of(data: Any, step: int = -1) -> Fields:
     """The quantities of a step (the last) of a data set over x, y, z and perhaps one more dimension, its times. Raises FieldError."""
     numpy, _ = _libraries()
-    grid, names, ways = _grid(data)
+    grid, names, ways, length_unit = _grid(data)
     quantities, others = {}, []
     helpers = {str(value) for variable in data.variables.values() for key, value in variable.attrs.items() if key in ("bounds", "grid_mapping")}
     # a Zarr folder has no order of its own
@@ -283,9 +286,8 @@ def fields_of(data: Any, step: int = -1) -> Fields:
     rule = f"{', '.join(others)} cannot be read: a quantity has the dimensions x, y, z and at most one more, so choose a part of it first."
     if not quantities:
         raise FieldError(f"the data set has no quantity, and {rule if others else 'no variables over x, y and z: give another data set.'}")
-    if others:
-        _note(rule)
-    return Fields(grid, quantities)
+    _note(rule) if others else None
+    return Fields(grid, quantities, length_unit)
 
 
 def open_dataset(path: "str | os.PathLike[str]", group: "str | None" = None) -> Any:

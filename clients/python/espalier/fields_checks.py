@@ -26,6 +26,9 @@ MOST_METADATA = 2 ** 26
 PLAIN_NUMBERS = re.compile(r"[<>|=]?(?:[iuf](?:1|2|4|8|16)|[SU][0-9]{1,6})")
 COMPRESSORS = ("zlib", "gzip", "bz2", "blosc", "zstd", "lz4")
 FILTERS = ("delta", "fixedscaleoffset", "shuffle")
+# names of the units of length that a world may have
+LENGTH_UNITS = {word: unit for unit, name in (("m", ""), ("dm", "deci"), ("cm", "centi"), ("mm", "milli"))
+                for word in (unit, *(f"{name}{word}" for word in ("metre", "meter", "metres", "meters")))}
 
 
 class FieldError(Exception):
