@@ -76,10 +76,10 @@ class Network::Implementation {
     if (handleSignals) {
       signals_.add(SIGINT);
       signals_.add(SIGTERM);
-      // with tokens from files it reads them again; else a terminal that closes ends the server in order, unless nohup
-      // wants it to go on
+      // tokens from files and a certificate are read again; else a terminal that closes ends the server in order,
+      // unless nohup wants it to go on
       struct sigaction hangUp {};
-      if (core_->options().readTokens || (::sigaction(SIGHUP, nullptr, &hangUp) == 0 && hangUp.sa_handler != SIG_IGN)) {
+      if (readsAgain() || (::sigaction(SIGHUP, nullptr, &hangUp) == 0 && hangUp.sa_handler != SIG_IGN)) {
         signals_.add(SIGHUP);
       }
       waitForSignal();
@@ -193,6 +193,29 @@ class Network::Implementation {
     });
   }
 
+  /// Whether SIGHUP means that files have changed, and not that a terminal was closed.
+  [[nodiscard]] bool readsAgain() const { return isEncrypted_ || core_->options().readTokens; }
+
+  /// Connections that come later have the new certificate. A mistake changes nothing.
+  void readCertificateAgain() {
+    core_->pool().post({.run =
+                            [this] {
+                              const auto fresh = std::make_shared<asio::ssl::context>(asio::ssl::context::tls_server);
+                              const ServerOptions& options = core_->options();
+                              if (const auto problem =
+                                      loadCertificate(*fresh, options.certificateFile, options.keyFile)) {
+                                core_->log().error("the certificate stays as it is: " + *problem);
+                                return;
+                              }
+                              // open connections keep the old one
+                              asio::post(context_, [this, fresh] {
+                                encryption_ = std::move(*fresh);
+                                core_->log().info("read the certificate again");
+                              });
+                            },
+                        .owner = "certificate"});
+  }
+
   void waitForSignal() {
     signals_.async_wait([this](const error_code& error, int number) {
       if (error) {
@@ -201,8 +224,13 @@ class Network::Implementation {
       core_->log().info(std::string("received ") + (number == SIGHUP   ? "SIGHUP"
                                                     : number == SIGINT ? "SIGINT"
                                                                        : "SIGTERM"));
-      if (number == SIGHUP && core_->options().readTokens) {
-        core_->readTokensAgain();
+      if (number == SIGHUP && readsAgain()) {
+        if (core_->options().readTokens) {
+          core_->readTokensAgain();
+        }
+        if (isEncrypted_) {
+          readCertificateAgain();
+        }
       } else {
         onStop_();
       }

@@ -5,6 +5,7 @@ import io
 import json
 import os
 import re
+import signal
 import socket
 import ssl
 import subprocess
@@ -266,11 +267,45 @@ class EveryTransport(unittest.TestCase):
                 Client("tls://" + server.address, token="secret")
             wrong = espalier("serve", "--listen", "127.0.0.1:0", "--certificate", key, "--key", key, status=1)
             self.assertIn("./dev certificate makes one for tests", wrong.stderr)
+            self.check_renewal(folder)
             # a key of another kind: OpenSSL takes it, and every connection would fail
             other = os.path.join(folder, "rsa.pem")
             subprocess.run(["openssl", "genrsa", "-out", other, "2048"], check=True, capture_output=True)
             wrong = espalier("serve", "--listen", "127.0.0.1:0", "--certificate", certificate, "--key", other, status=1)
             self.assertIn("is not that of the certificate", wrong.stderr)
+
+    def check_renewal(self, folder: str) -> None:
+        """SIGHUP takes a new certificate, and keeps the old one when the new one is wrong."""
+        files = [os.path.join(folder, name) for name in ("now.pem", "now.key")]
+
+        def renew(name: str) -> None:
+            subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
+                            "-keyout", files[1], "-out", files[0], "-subj", f"/CN={name}"], check=True, capture_output=True)
+
+        renew("first")
+        server = Server("--certificate", files[0], "--key", files[1], "--token", "secret")
+        self.addCleanup(server.stop)
+        host, port = server.address.rsplit(":", 1)
+
+        def shown() -> str:
+            der = ssl.PEM_cert_to_DER_cert(ssl.get_server_certificate((host, int(port))))
+            return "second" if b"second" in der else "first"
+
+        self.assertEqual(shown(), "first")
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+        with socket.create_connection((host, int(port)), 60) as plain, context.wrap_socket(plain) as open_one:
+            renew("second")
+            server.process.send_signal(signal.SIGHUP)
+            while shown() != "second":
+                pass
+            open_one.sendall(b'{"jsonrpc":"2.0","id":1,"method":"hello","params":{"protocol":[1],"token":"secret"}}\n')
+            self.assertIn(b'"result"', open_one.recv(100_000))
+        with open(files[0], "w", encoding="ascii") as file:
+            file.write("no certificate")
+        server.process.send_signal(signal.SIGHUP)
+        for _ in range(5):
+            self.assertEqual(shown(), "second")
 
     def test_other_machines_need_a_token_and_encryption(self) -> None:
         for option in ("--listen", "--http"):
