@@ -222,6 +222,38 @@ class Hostile(unittest.TestCase):
             self.assertLess(bomb.stat().st_size, 100_000)
             self.assertRefused(bomb, "q has parts of 250000000 cells, and at most 20000000")
 
+    def test_a_variable_that_nobody_wrote_takes_no_memory(self) -> None:
+        import netCDF4
+
+        with netCDF4.Dataset(self.netcdf("wide.nc"), "a") as file:
+            file.createDimension("a", 10_000)
+            file.createDimension("b", 1_000_000)
+            file.createVariable("w", "f8", ("a", "b"), contiguous=True)
+        self.assertLess((self.folder / "wide.nc").stat().st_size, 100_000)
+        wide = self.zarr(name="wide.zarr")
+        (wide / "w").mkdir()
+        (wide / "w" / ".zarray").write_text(json.dumps({"zarr_format": 2, "shape": [10_000, 1_000_000], "chunks": [10, 1_000_000], "dtype": "<f8",
+                                                        "compressor": None, "fill_value": 0.0, "order": "C", "filters": None}), encoding="utf-8")
+        (wide / "w" / ".zattrs").write_text('{"_ARRAY_DIMENSIONS": ["a", "b"]}', encoding="utf-8")
+        for name in ("wide.nc", "wide.zarr"):
+            self.assertIn("w has 10000000000 numbers, and at most 400000000 are read at once", self.reader.convert(self.folder / name, self.folder / "out.nc"))
+            # what is not read costs nothing
+            self.assertEqual(self.reader.convert(self.folder / name, self.folder / f"{name}.vti"), "read")
+
+    def test_kinds_of_netcdf_that_are_no_numbers_are_refused(self) -> None:
+        import netCDF4
+        import numpy
+
+        for kind in ("compound", "vlen"):
+            with netCDF4.Dataset(self.netcdf(f"{kind}.nc"), "a") as file:
+                if kind == "compound":
+                    made: Any = file.createCompoundType(numpy.dtype([("a", "f8"), ("b", "i4")]), "pair")
+                else:
+                    made = file.createVLType(numpy.int32, "list")
+                file.createVariable("odd", made, ("x",))
+            self.assertRegex(self.reader.convert(self.folder / f"{kind}.nc", self.folder / "out.nc"), r"^refused .*\.['\"]$")
+            self.assertFalse((self.folder / "out.nc").exists())
+
     # mutations: each outcome is a result or one sentence
 
     def mutated_bytes(self, raw: bytes, chance: random.Random) -> bytes:

@@ -24,7 +24,8 @@ import xml.etree.ElementTree as xml
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple, cast
 
-from .fields_checks import LENGTH_UNITS, MOST_CELLS, FieldError as FieldError, FieldWarning as FieldWarning, check_netcdf, check_zarr, checked_store
+from .fields_checks import LENGTH_UNITS, MOST_CELLS, MOST_READ, FieldError as FieldError, FieldWarning as FieldWarning, Grid as Grid
+from .fields_checks import check_netcdf, check_zarr, checked_store
 from .version import VERSION
 
 AXES = ("x", "y", "z")
@@ -33,13 +34,6 @@ CF_AXES = {"x": "X", "y": "Z", "z": "Y"}
 # the numbers in cells that nobody wrote (netcdf.h, NC_FILL_)
 NEVER_WRITTEN = {"f8": 9.969209968386869e36, "f4": 9.969209968386869e36, "i2": -32767, "i4": -2147483647, "u2": 65535, "u4": 4294967295}
 STANDARD_NAMES = {"waterContent": "volume_fraction_of_condensed_water_in_soil"}
-
-
-class Grid(NamedTuple):
-    """Equal cells in a box. Lengths are in the unit of the model."""
-    cells: Tuple[int, int, int]
-    position: Tuple[float, float, float]  # low corner
-    spacing: Tuple[float, float, float]
 
 
 class Fields(NamedTuple):
@@ -152,6 +146,8 @@ def _note(text: str) -> None:
 
 
 def _stored(variable: Any, name: str) -> Any:
+    if variable.size > MOST_READ:
+        raise FieldError(f"{name} has {variable.size} numbers, and at most {MOST_READ} are read at once: choose fewer steps, or set ESPALIER_FIELD_CELLS.")
     try:
         return variable.load().values
     except FieldError:

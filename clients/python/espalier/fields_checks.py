@@ -15,10 +15,12 @@ import os
 import re
 import stat
 import zlib
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Dict, Iterator, List, NamedTuple, Tuple
 
 # a larger grid needs more memory than a description of a few bytes should cost
 MOST_CELLS = int(os.environ["ESPALIER_FIELD_CELLS"]) if os.environ.get("ESPALIER_FIELD_CELLS", "").isdigit() else 20_000_000
+# of a variable with all of its steps, which is read at once: 3.2 GB of doubles
+MOST_READ = 20 * MOST_CELLS
 # each part costs a search, also where it is not there
 MOST_PARTS = 1_000_000
 MOST_METADATA = 2 ** 26
@@ -29,6 +31,13 @@ FILTERS = ("delta", "fixedscaleoffset", "shuffle")
 # names of the units of length that a world may have
 LENGTH_UNITS = {word: unit for unit, name in (("m", ""), ("dm", "deci"), ("cm", "centi"), ("mm", "milli"))
                 for word in (unit, *(f"{name}{word}" for word in ("metre", "meter", "metres", "meters")))}
+
+
+class Grid(NamedTuple):
+    """Equal cells in a box. Lengths are in the unit of the model."""
+    cells: Tuple[int, int, int]
+    position: Tuple[float, float, float]  # low corner
+    spacing: Tuple[float, float, float]
 
 
 class FieldError(Exception):
