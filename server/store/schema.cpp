@@ -45,17 +45,18 @@ bool isOfAnotherProgram(Database& database) {
   return statement.next() && statement.integer(0) > 0 && statement.integer(1) == 0;
 }
 
-bool migrate(Database& database) {
+bool migrate(Database& database, std::span<const char* const> changes) {
   const std::int64_t version = versionOf(database);
-  if (version > storeVersion()) {
+  const auto newest = static_cast<std::int64_t>(changes.size());
+  if (version > newest) {
     return false;
   }
-  if (version < storeVersion()) {
+  if (version < newest) {
     database.begin();
-    for (const char* change : storeChanges().subspan(static_cast<std::size_t>(version))) {
+    for (const char* change : changes.subspan(static_cast<std::size_t>(version))) {
       database.execute(change);
     }
-    database.execute(("PRAGMA user_version = " + std::to_string(storeVersion())).c_str());
+    database.execute(("PRAGMA user_version = " + std::to_string(newest)).c_str());
     (void)database.commit();
   }
   return true;

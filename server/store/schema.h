@@ -25,6 +25,7 @@ namespace espalier::server {
 
 /// Brings an open database to the present version, in one transaction: a program that is killed meanwhile leaves the
 /// old version whole. Failures are in problem(). False: the database is of a newer version, and nothing was changed.
-[[nodiscard]] bool migrate(Database& database);
+/// `changes` are those that lead to the present version.
+[[nodiscard]] bool migrate(Database& database, std::span<const char* const> changes = storeChanges());
 
 }  // namespace espalier::server

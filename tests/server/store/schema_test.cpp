@@ -1,11 +1,13 @@
 #include "server/store/schema.h"
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <filesystem>
+#include <vector>
 
 #include "server/store/store.h"
 #include "tests/server/server_fixture.h"
@@ -27,6 +29,14 @@ class OldFolder : public testing::Test {
     Database database;
     database.open(file());
     return versionOf(database);
+  }
+
+  /// Columns that version 2 adds.
+  [[nodiscard]] std::int64_t ownerColumns() const {
+    Database database;
+    database.open(file());
+    Database::Statement columns(database, "SELECT count(*) FROM pragma_table_info('simulations') WHERE name = 'owner'");
+    return columns.next() ? columns.integer(0) : -1;
   }
 
   /// A server that uses the folder has everything, and goes on.
@@ -59,31 +69,56 @@ TEST_F(OldFolder, OfVersionOneIsReadAndBecomesTheNewestVersion) {
   expectAllIsThere();
 }
 
-/// Makes `count` of the changes from version 1 on in a transaction, in a process that is then killed.
-void changeAndDie(const std::string& file, std::size_t count) {
+void killThisProcess(sqlite3_context*, int, sqlite3_value**) {
+  (void)::kill(::getpid(), SIGKILL);
+}
+
+int dieAtCommit(void*) {
+  (void)::kill(::getpid(), SIGKILL);
+  return 0;
+}
+
+/// Gives every connection of this process the SQL function die().
+int addDeath(sqlite3* connection, const char**, const sqlite3_api_routines*) {
+  return sqlite3_create_function(connection, "die", 0, SQLITE_UTF8, nullptr, &killThisProcess, nullptr, nullptr);
+}
+
+/// The same, and lets the next change that is committed end the process.
+int addDeathAtCommit(sqlite3* connection, const char**, const sqlite3_api_routines*) {
+  (void)sqlite3_commit_hook(connection, &dieAtCommit, nullptr);
+  return SQLITE_OK;
+}
+
+using Extension = int (*)(sqlite3*, const char**, const sqlite3_api_routines*);
+
+/// Migrates in a process that is killed by one of the changes, or by the extension.
+void migrateAndDie(const std::string& file, const std::vector<const char*>& changes, Extension extension) {
   const pid_t child = ::fork();
   if (child == 0) {
+    sqlite3_auto_extension(reinterpret_cast<void (*)()>(extension));
     Database database;
     database.open(file);
-    database.begin();
-    for (const char* change : storeChanges().subspan(1, count)) {
-      database.execute(change);
-    }
-    if (count == storeChanges().size() - 1) {
-      database.execute(("PRAGMA user_version = " + std::to_string(storeVersion())).c_str());
-    }
-    ::kill(::getpid(), database.problem() ? SIGABRT : SIGKILL);
+    (void)migrate(database, changes);
+    ::_exit(1);
   }
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
 }
 
-TEST_F(OldFolder, AProgramThatIsKilledWithinTheChangeLeavesTheOldVersionWhole) {
-  for (std::size_t count = 0; count < storeChanges().size(); ++count) {
-    changeAndDie(file(), count);
-    EXPECT_EQ(version(), 1) << count;
+TEST_F(OldFolder, AProgramThatIsKilledWithinTheMigrationLeavesTheOldVersionWhole) {
+  const auto released = storeChanges();
+  // killed before the first change from version 1 on, between any two, and after the last
+  for (std::size_t at = 1; at <= released.size(); ++at) {
+    std::vector<const char*> changes(released.begin(), released.end());
+    changes.insert(changes.begin() + static_cast<std::ptrdiff_t>(at), "SELECT die()");
+    migrateAndDie(file(), changes, &addDeath);
+    EXPECT_EQ(version(), 1) << at;
+    EXPECT_EQ(ownerColumns(), 0) << at;
   }
+  migrateAndDie(file(), {released.begin(), released.end()}, &addDeathAtCommit);
+  EXPECT_EQ(version(), 1);
+  EXPECT_EQ(ownerColumns(), 0);
   expectAllIsThere();
   EXPECT_EQ(version(), storeVersion());
 }
