@@ -1,4 +1,4 @@
-"""Hostile peers of every kind at once, for half a minute; `./dev soak` does it for longer."""
+"""Hostile peers of every kind at once, half a minute in all, the second half over TLS; `./dev soak` does it for longer."""
 
 import os
 import tempfile
@@ -14,6 +14,7 @@ class HostilePeersAtOnce(unittest.TestCase):
 
     def test_the_server_lives_and_a_client_that_means_well_gets_its_answers(self) -> None:
         self.attacked(15)
+        self.attacked(15, is_encrypted=True)
 
     @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes minutes: ./dev test --all soak")
     def test_long_the_same_for_minutes(self) -> None:
