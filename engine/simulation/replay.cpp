@@ -199,8 +199,13 @@ std::optional<Divergence> differenceOf(const TraceEvent& recorded, const Simulat
 /// The run of a trace, made again event by event.
 class Replay {
  public:
-  Replay(std::string_view trace, unsigned threads, const ReplayWitness& witness, const core::Limits& limits)
-      : reader_(trace), threads_(threads), witness_(witness), limits_(limits) {}
+  Replay(core::ByteSource& trace, std::uint64_t maximumEventBytes, unsigned threads, const ReplayWitness& witness,
+         const core::Limits& limits)
+      : reader_(trace, maximumEventBytes),
+        maximumEventBytes_(maximumEventBytes),
+        threads_(threads),
+        witness_(witness),
+        limits_(limits) {}
 
   /// Nothing, or an error sentence.
   [[nodiscard]] std::optional<std::string> run() {
@@ -237,12 +242,18 @@ class Replay {
         result.queries += event.queries.size();
         // asked from the beginning again: the step had failed
         if (event.queries.iteration == 0) {
-          asked_.clear();
+          forgetQuestions();
+        }
+        askedBytes_ += event.bytes;
+        if (askedBytes_ > maximumEventBytes_) {
+          return "step " + std::to_string(simulation_->completedSteps() + 1) + " has more than " +
+                 std::to_string(maximumEventBytes_) +
+                 " bytes of questions and replies: the trace is damaged, or needs more memory.";
         }
         asked_.push_back(std::move(event));
         break;
       case TraceEventKind::Tick:
-        asked_.clear();
+        forgetQuestions();
         asked_.push_back(std::move(event));
         break;
       case TraceEventKind::Complete: {
@@ -300,11 +311,16 @@ class Replay {
     if (const auto error = simulation_->restore(event.snapshot)) {
       return error->message;
     }
-    asked_.clear();
+    forgetQuestions();
     if (witness_.opened) {
       witness_.opened(event.context);
     }
     return std::nullopt;
+  }
+
+  void forgetQuestions() {
+    asked_.clear();
+    askedBytes_ = 0;
   }
 
   /// Makes the step that the recorded run made, with the replies that it got.
@@ -317,7 +333,7 @@ class Replay {
       result.divergence = process_->takeDivergence();
       process_->expect(nullptr);
     }
-    asked_.clear();
+    forgetQuestions();
     if (result.divergence) {
       return;
     }
@@ -331,19 +347,28 @@ class Replay {
   }
 
   TraceReader reader_;
+  std::uint64_t maximumEventBytes_;
   unsigned threads_;
   const ReplayWitness& witness_;
   core::Limits limits_;
   std::unique_ptr<Simulation> simulation_;
   ReplayProcess* process_ = nullptr;  // the simulation's; null: it has none
   std::vector<TraceEvent> asked_;     // the questions of the step under way
+  std::uint64_t askedBytes_ = 0;      // of them in the trace
 };
 
 }  // namespace
 
 std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,
                                                     const ReplayWitness& witness, const core::Limits& limits) {
-  Replay replay(trace, threads, witness, limits);
+  core::ViewSource source(trace);
+  return replayTrace(source, UINT64_MAX, threads, witness, limits);
+}
+
+std::variant<ReplayResult, std::string> replayTrace(core::ByteSource& trace, std::uint64_t maximumEventBytes,
+                                                    unsigned threads, const ReplayWitness& witness,
+                                                    const core::Limits& limits) {
+  Replay replay(trace, maximumEventBytes, threads, witness, limits);
   if (auto problem = replay.run()) {
     return std::move(*problem);
   }

@@ -1,5 +1,7 @@
 #include "engine/simulation/trace.h"
 
+#include <algorithm>
+
 #include "engine/core/hash.h"
 #include "engine/simulation/byte_reader.h"
 #include "engine/simulation/byte_writer.h"
@@ -108,42 +110,92 @@ std::unique_ptr<turtle::EnvironmentProcess> record(std::unique_ptr<turtle::Envir
   return process == nullptr ? nullptr : std::make_unique<RecordingProcess>(std::move(process), std::move(recorder));
 }
 
+std::optional<std::string> TraceReader::take(std::uint64_t count, bool& isShort) {
+  // a length is a claim: memory is taken for the bytes that are there
+  constexpr std::uint64_t kPieceBytes = std::uint64_t{1} << 20U;
+  piece_.clear();
+  while (piece_.size() < count) {
+    const std::uint64_t wanted = std::min(kPieceBytes, count - piece_.size());
+    const std::size_t before = piece_.size();
+    if (auto problem = source_->read(static_cast<std::size_t>(wanted), piece_)) {
+      return problem;
+    }
+    if (piece_.size() - before < wanted) {
+      break;
+    }
+  }
+  isShort = piece_.size() < count;
+  position_ += piece_.size();
+  return std::nullopt;
+}
+
+std::optional<std::string> TraceReader::takeHead() {
+  bool isShort = false;
+  if (auto problem = take(kTraceMagic.size() + 4, isShort)) {
+    return problem;
+  }
+  ByteReader head(piece_);
+  if (head.raw(kTraceMagic.size()) != kTraceMagic) {
+    return "this is not a trace: it does not begin with " + std::string(kTraceMagic) + ".";
+  }
+  const std::uint32_t version = head.number32();
+  if (head.hasFailed() || version == 0 || version > kTraceVersion) {
+    return "this trace has version " + std::to_string(version) + ", this program reads 1 to " +
+           std::to_string(kTraceVersion) + ". Use a newer program.";
+  }
+  return std::nullopt;
+}
+
 std::variant<std::optional<TraceEvent>, std::string> TraceReader::next() {
   if (position_ == 0) {
-    ByteReader head(bytes_);
-    if (head.raw(kTraceMagic.size()) != kTraceMagic) {
-      return std::string("this is not a trace: it does not begin with " + std::string(kTraceMagic) + ".");
+    if (auto problem = takeHead()) {
+      return std::move(*problem);
     }
-    const std::uint32_t version = head.number32();
-    if (head.hasFailed() || version == 0 || version > kTraceVersion) {
-      return "this trace has version " + std::to_string(version) + ", this program reads 1 to " +
-             std::to_string(kTraceVersion) + ". Use a newer program.";
-    }
-    position_ = kTraceMagic.size() + 4;
-  }
-  if (position_ == bytes_.size()) {
-    return std::optional<TraceEvent>();
   }
   const std::string place = "at byte " + std::to_string(position_);
-  ByteReader reader(bytes_.substr(position_));
-  const std::uint64_t length = reader.number64();
-  const std::string_view content = reader.raw(length);
-  const std::uint64_t checksum = reader.number64();
-  if (reader.hasFailed()) {
-    return "the trace is cut off in the event " + place + ": the program that wrote it ended early.";
+  const std::string isCut = "the trace is cut off in the event " + place + ": the program that wrote it ended early.";
+  bool isShort = false;
+  if (auto problem = take(8, isShort)) {
+    return std::move(*problem);
+  }
+  if (piece_.empty()) {
+    return std::optional<TraceEvent>();
+  }
+  if (isShort) {
+    return isCut;
+  }
+  const std::uint64_t length = ByteReader(piece_).number64();
+  if (length > maximumEventBytes_) {
+    return "the event " + place + " has " + std::to_string(length) + " bytes, of which at most " +
+           std::to_string(maximumEventBytes_) + " are read: the trace is damaged, or needs more memory.";
+  }
+  if (auto problem = take(length, isShort)) {
+    return std::move(*problem);
+  }
+  if (isShort) {
+    return isCut;
   }
   TraceEvent event;
-  if (!decodeEvent(content, event)) {
+  event.bytes = length;
+  const bool isEvent = decodeEvent(piece_, event);
+  // zeros are no event: the checksum of much would take long
+  const std::uint64_t found = isEvent ? checksumOf(piece_) : 0;
+  if (auto problem = take(8, isShort)) {
+    return std::move(*problem);
+  }
+  if (isShort) {
+    return isCut;
+  }
+  if (!isEvent) {
     return "the event " + place + " cannot be read: the trace is damaged.";
   }
-  if (checksum != checksumOf(content)) {
+  if (ByteReader(piece_).number64() != found) {
     event.damage = "the event " + place + " does not have its checksum: the trace is damaged.";
     // a changed query or reply is for the replay to find and to name
     if (event.kind != TraceEventKind::Step) {
       return event.damage;
     }
   }
-  position_ += 16 + length;
   return std::optional<TraceEvent>(std::move(event));
 }
 

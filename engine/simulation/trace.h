@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "engine/core/byte_source.h"
 #include "engine/core/limits.h"
 #include "engine/core/simulation_error.h"
 #include "engine/core/streams.h"
@@ -47,8 +48,9 @@ struct TraceEvent {
   std::vector<std::uint32_t> replyChecks;  // of each query's replies (n)
   std::string damage;                      // why the event cannot be trusted; empty: it has its checksum
   // Tick, Failure, Complete
-  std::uint64_t step = 0;  // completed steps; of Complete: with this one
-  std::string message;     // Failure
+  std::uint64_t step = 0;   // completed steps; of Complete: with this one
+  std::string message;      // Failure
+  std::uint64_t bytes = 0;  // that the event has in the trace
   // Complete
   std::uint64_t hash = 0;                               // of the plants
   std::vector<std::vector<std::uint32_t>> pieceHashes;  // of each plant
@@ -91,18 +93,26 @@ class TraceRecorder {
 [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> record(std::unique_ptr<turtle::EnvironmentProcess> process,
                                                                  std::shared_ptr<TraceRecorder> recorder);
 
-/// Reads an untrusted trace event by event. A damaged or cut event is an error that names its place.
+/// Reads an untrusted trace event by event, and holds one event at a time. A damaged, cut or too long event is an error
+/// that names its place.
 class TraceReader {
  public:
-  /// `bytes` must outlive the reader.
-  explicit TraceReader(std::string_view bytes) : bytes_(bytes) {}
+  /// `source` must outlive the reader. A longer event than `maximumEventBytes` is refused before it is read.
+  explicit TraceReader(core::ByteSource& source, std::uint64_t maximumEventBytes = UINT64_MAX)
+      : source_(&source), maximumEventBytes_(maximumEventBytes) {}
 
   /// The next event, nothing at the end, or an error sentence.
   [[nodiscard]] std::variant<std::optional<TraceEvent>, std::string> next();
 
  private:
-  std::string_view bytes_;
-  std::size_t position_ = 0;
+  /// Puts the next bytes into piece_. An error sentence; `isShort`: there are fewer.
+  [[nodiscard]] std::optional<std::string> take(std::uint64_t count, bool& isShort);
+  [[nodiscard]] std::optional<std::string> takeHead();
+
+  core::ByteSource* source_;
+  std::uint64_t maximumEventBytes_;
+  std::uint64_t position_ = 0;  // bytes that were read
+  std::string piece_;           // the bytes that were read last
 };
 
 /// Where a run that is made again is not the recorded one.
@@ -129,7 +139,14 @@ struct ReplayWitness {
 
 /// Makes the recorded run again without its environment: the model and the replies come from the trace. Stops at the
 /// first difference in a query, a reply or a string. An error sentence when the trace cannot be read or its model does
-/// not compile. `threads` and `limits` as in SimulationOptions.
+/// not compile. `threads` and `limits` as in SimulationOptions. The questions and replies of one step have at most
+/// `maximumEventBytes` in the trace: the replay holds them together.
+[[nodiscard]] std::variant<ReplayResult, std::string> replayTrace(core::ByteSource& trace,
+                                                                  std::uint64_t maximumEventBytes, unsigned threads,
+                                                                  const ReplayWitness& witness = {},
+                                                                  const core::Limits& limits = {});
+
+/// The same for a trace in memory.
 [[nodiscard]] std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,
                                                                   const ReplayWitness& witness = {},
                                                                   const core::Limits& limits = {});

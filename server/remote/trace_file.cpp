@@ -2,6 +2,7 @@
 
 #include <zstd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -96,52 +97,97 @@ std::string TraceFile::problem() const {
   return problem_.empty() ? std::string() : "the trace '" + name_ + "' is not complete: " + problem_ + ".";
 }
 
-std::optional<std::string> readTraceFile(const std::string& name, std::string& bytes, std::uint64_t bound) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(name.c_str(), "rb"), &std::fclose);
-  if (file == nullptr) {
-    return "cannot read the trace '" + name + "': " + std::strerror(errno) + ".";
-  }
-  bytes.clear();
-  std::string piece(kPieceBytes, '\0');
-  while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
-    bytes.append(piece, 0, count);
-  }
-  if (std::ferror(file.get()) != 0) {
-    return "cannot read the trace '" + name + "': " + std::strerror(errno) + ".";
-  }
-  if (bytes.size() < kCompressedMagic.size() ||
-      std::memcmp(bytes.data(), kCompressedMagic.data(), kCompressedMagic.size()) != 0) {
-    return std::nullopt;
-  }
+struct TraceFileSource::Decompressor {
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+  std::string packed;        // a piece of the file
+  std::size_t used = 0;      // bytes of it that were decompressed
+  bool hasHeldBack = false;  // the last output was full: there may be more without further input
+};
 
-  // the last part of a killed program may be cut off: read as far as it goes
-  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
-  std::string decompressed;
-  const std::uint64_t most = bound == 0 ? usableMemoryBytes() : bound;
-  ZSTD_inBuffer input{bytes.data(), bytes.size(), 0};
-  while (input.pos < input.size) {
-    ZSTD_outBuffer output{piece.data(), piece.size(), 0};
-    const std::size_t result = ZSTD_decompressStream(context.get(), &output, &input);
-    if (ZSTD_isError(result) != 0) {
-      return "the trace '" + name + "' is damaged: " + ZSTD_getErrorName(result) + ".";
-    }
-    if (decompressed.size() + output.pos > most) {
-      return "the trace '" + name + "' has more than " + std::to_string(most) +
-             " bytes when it is decompressed. Decompress it with zstd, and look at it in parts.";
-    }
-    decompressed.append(piece, 0, output.pos);
+tl::expected<std::unique_ptr<TraceFileSource>, std::string> TraceFileSource::open(const std::string& name) {
+  std::FILE* const file = std::fopen(name.c_str(), "rb");
+  if (file == nullptr) {
+    return tl::unexpected("cannot read the trace '" + name + "': " + std::strerror(errno) + ".");
   }
-  // the decompressor may hold back bytes that did not fit
-  while (true) {
-    ZSTD_outBuffer output{piece.data(), piece.size(), 0};
-    const std::size_t result = ZSTD_decompressStream(context.get(), &output, &input);
-    if (ZSTD_isError(result) != 0 || output.pos == 0) {
-      break;
-    }
-    decompressed.append(piece, 0, output.pos);
+  std::unique_ptr<TraceFileSource> source(new TraceFileSource(name, file));
+  if (auto problem = source->fillFromFile(source->piece_)) {
+    return tl::unexpected(std::move(*problem));
   }
-  bytes = std::move(decompressed);
+  if (source->piece_.size() >= kCompressedMagic.size() &&
+      std::memcmp(source->piece_.data(), kCompressedMagic.data(), kCompressedMagic.size()) == 0) {
+    source->decompressor_ = std::make_unique<Decompressor>();
+    source->decompressor_->packed.swap(source->piece_);
+  }
+  return source;
+}
+
+TraceFileSource::TraceFileSource(std::string name, std::FILE* file) : name_(std::move(name)), file_(file) {}
+
+TraceFileSource::~TraceFileSource() {
+  (void)std::fclose(file_);
+}
+
+std::optional<std::string> TraceFileSource::fillFromFile(std::string& piece) {
+  piece.resize(kPieceBytes);
+  piece.resize(std::fread(piece.data(), 1, piece.size(), file_));
+  if (std::ferror(file_) != 0) {
+    return "cannot read the trace '" + name_ + "': " + std::strerror(errno) + ".";
+  }
   return std::nullopt;
+}
+
+std::optional<std::string> TraceFileSource::fill() {
+  given_ = 0;
+  piece_.clear();
+  if (decompressor_ == nullptr) {
+    return fillFromFile(piece_);
+  }
+  Decompressor& state = *decompressor_;
+  while (piece_.empty()) {
+    if (state.used == state.packed.size() && !state.hasHeldBack) {
+      state.used = 0;
+      if (auto problem = fillFromFile(state.packed)) {
+        return problem;
+      }
+      if (state.packed.empty()) {
+        return std::nullopt;
+      }
+    }
+    piece_.resize(kPieceBytes);
+    ZSTD_inBuffer input{state.packed.data(), state.packed.size(), state.used};
+    ZSTD_outBuffer output{piece_.data(), piece_.size(), 0};
+    const std::size_t result = ZSTD_decompressStream(state.context.get(), &output, &input);
+    if (ZSTD_isError(result) != 0) {
+      return "the trace '" + name_ + "' is damaged: " + ZSTD_getErrorName(result) + ".";
+    }
+    state.used = input.pos;
+    state.hasHeldBack = output.pos == output.size;
+    piece_.resize(output.pos);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> TraceFileSource::read(std::size_t count, std::string& bytes) {
+  while (count > 0) {
+    if (given_ == piece_.size()) {
+      if (auto problem = fill()) {
+        return problem;
+      }
+      if (piece_.empty()) {
+        return std::nullopt;
+      }
+    }
+    const std::size_t part = std::min(count, piece_.size() - given_);
+    bytes.append(piece_, given_, part);
+    given_ += part;
+    count -= part;
+  }
+  return std::nullopt;
+}
+
+std::uint64_t maximumTraceEventBytes() {
+  constexpr std::uint64_t kMostBytes = 256'000'000;
+  return std::min(kMostBytes, usableMemoryBytes() / 4);
 }
 
 }  // namespace espalier::server

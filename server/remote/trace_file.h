@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -7,6 +9,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "engine/core/byte_source.h"
 #include "engine/core/streams.h"
 
 namespace espalier::server {
@@ -41,9 +44,35 @@ class TraceFile final : public core::ByteSink {
   std::string problem_;
 };
 
-/// Reads a trace into `bytes`, decompressed where needed. An error sentence, or nothing. A few bytes can stand for
-/// terabytes: `bound` is of the decompressed ones; 0: the memory that this process may have.
-[[nodiscard]] std::optional<std::string> readTraceFile(const std::string& name, std::string& bytes,
-                                                       std::uint64_t bound = 0);
+/// Reads a trace piece by piece, decompressed where needed, in a few megabytes of memory: a few bytes can stand for
+/// terabytes. The end of a file that a killed program has left is where its last flush() was. Error sentences name the
+/// file.
+class TraceFileSource final : public core::ByteSource {
+ public:
+  /// An error sentence when the file cannot be opened.
+  [[nodiscard]] static tl::expected<std::unique_ptr<TraceFileSource>, std::string> open(const std::string& name);
+  ~TraceFileSource() override;
+  TraceFileSource(const TraceFileSource&) = delete;
+  TraceFileSource& operator=(const TraceFileSource&) = delete;
+
+  [[nodiscard]] std::optional<std::string> read(std::size_t count, std::string& bytes) override;
+
+ private:
+  struct Decompressor;
+  TraceFileSource(std::string name, std::FILE* file);
+  /// Puts the next bytes of the file, or of what it stands for, into piece_; none at the end.
+  [[nodiscard]] std::optional<std::string> fill();
+  [[nodiscard]] std::optional<std::string> fillFromFile(std::string& piece);
+
+  std::string name_;
+  std::FILE* file_;
+  std::unique_ptr<Decompressor> decompressor_;  // null: not compressed
+  std::string piece_;
+  std::size_t given_ = 0;  // bytes of piece_ that were given
+};
+
+/// How long an event of a trace may be unless the user says more: 256 MB, or a quarter of the memory that this process
+/// may have when that is less.
+[[nodiscard]] std::uint64_t maximumTraceEventBytes();
 
 }  // namespace espalier::server

@@ -29,14 +29,14 @@ std::string compress(std::string_view bytes) {
   return packed;
 }
 
-std::optional<std::string> decompress(std::string_view packed) {
+std::optional<std::string> decompress(std::string_view packed, std::uint64_t maximumBytes) {
   const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
   if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) {
     return std::nullopt;
   }
   // what no frame can hold: a block of 128 KB takes four bytes at least
   constexpr unsigned long long kMostBytesOfAByte = 32'768;
-  if (size / kMostBytesOfAByte > packed.size()) {
+  if (size / kMostBytesOfAByte > packed.size() || size > maximumBytes) {
     return std::nullopt;
   }
   std::string bytes(static_cast<std::size_t>(size), '\0');

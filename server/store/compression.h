@@ -11,7 +11,8 @@ namespace espalier::server {
 /// writes.
 [[nodiscard]] std::string compress(std::string_view bytes);
 
-/// The original bytes. Nothing when they are cut off or damaged.
-[[nodiscard]] std::optional<std::string> decompress(std::string_view packed);
+/// The original bytes. Nothing when they are cut off, damaged or more than `maximumBytes`: a few bytes can stand for
+/// gigabytes.
+[[nodiscard]] std::optional<std::string> decompress(std::string_view packed, std::uint64_t maximumBytes = UINT64_MAX);
 
 }  // namespace espalier::server

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <system_error>
 
+#include "server/remote/control_group.h"
 #include "server/store/compression.h"
 #include "server/store/database.h"
 #include "server/store/folder_lock.h"
@@ -296,7 +297,7 @@ Store::State Store::Implementation::get(std::int64_t state) {
       return {{}, *failure};
     }
   }
-  auto bytes = decompress(packed);
+  auto bytes = decompress(packed, usableMemoryBytes());
   if (!bytes) {
     return {{}, "its state in the data folder is damaged"};
   }

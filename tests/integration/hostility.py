@@ -1,7 +1,7 @@
 """Hostile peers of every kind at once, against one server, and a client that means well among them.
 
 Strangers without the token: silent connections, slow ones, half a message and gone, floods, nonsense, on each transport.
-Peers with the token: models that explode while they are compiled or grown, snapshots with wrong bytes, streams that are
+Peers with the token: models that explode while they are compiled or grown, pictures of a few bytes that stand for much, snapshots with wrong bytes, streams that are
 opened and closed, ids that are used twice, answers that are never read, WebSockets with wrong frames, numbers of every kind
 where others belong, simulations that fill the disk. The server has few descriptors, little memory and little room on its
 disk, and its wall clock jumps. The client that means well must get every answer, and its waiting times are printed. What
@@ -24,6 +24,7 @@ import struct
 import subprocess
 import threading
 import time
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Set
@@ -52,6 +53,30 @@ def macro_bomb() -> str:
     for last, name in zip("ABCDEF", "BCDEFG"):
         lines.append(f"#define {name} " + " ".join([last] * 12))
     return "\n".join(lines + ["Lsystem: 1", "derivation length: 1", "Axiom: F(G)", "F --> F", "endlsystem", ""])
+
+
+def png_bomb() -> bytes:
+    """A black picture of 8,000 by 8,000 pixels, which are 256 MB, in 8 kB."""
+    def chunk(kind: bytes, content: bytes) -> bytes:
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    header = struct.pack(">IIBBBBB", 8000, 8000, 1, 0, 0, 0, 0)
+    rows = zlib.compress(bytes(8000 * 1001), 9)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", rows) + chunk(b"IEND", b"")
+
+
+def jpeg_bomb() -> bytes:
+    """A progressive picture of 2,000 by 2,000 pixels whose last scan comes 50,000 times. Each scan goes over all pixels."""
+    picture = bytearray((Path(__file__).parents[1] / "engine" / "files" / "images" / "progressive.jpg").read_bytes())
+    size = picture.index(b"\xff\xc2") + 5
+    picture[size:size + 4] = struct.pack(">HH", 2000, 2000)
+    scan = picture.rindex(b"\xff\xda")
+    return bytes(picture[:-2] + picture[scan:-2] * 50_000 + picture[-2:])
+
+
+def model_with_picture(name: str, picture: bytes) -> Dict[str, Any]:
+    return {"files": {"tree.l": STEADY, "tree.v": f"texture: F {name}\n"}, "main": "tree.l",
+            "binaryFiles": {name: base64.b64encode(picture).decode("ascii")}}
 
 
 def checksum(content: bytes) -> bytes:
@@ -174,6 +199,7 @@ class Hostility:
         self._lock = threading.Lock()
         self.saved = ""
         self.saved_step = 0
+        self.pictures = [model_with_picture("bark.png", png_bomb()), model_with_picture("bark.jpg", jpeg_bomb())]
 
     @staticmethod
     def _pair(address: str) -> Any:
@@ -269,8 +295,12 @@ class Hostility:
         """Models that need more than there is."""
         with self.trusted() as client:
             try:
-                if dice.random() < 0.5:
+                way = dice.random()
+                if way < 0.25:
                     client.check(macro_bomb())
+                elif way < 0.5:
+                    self.count("pictures")
+                    client.call("model.check", dice.choice(self.pictures))
                 else:
                     plant = client.create(DOUBLING, seed=1)
                     try:
@@ -534,7 +564,7 @@ def report(hostility: Hostility, seconds: float, samples: List[int]) -> None:
     if seconds >= 300 and max(samples[-third:]) > 1.2 * max(samples[third:2 * third]) + 20e6:
         hostility.failures.append("memory grows")
     missing = {"silent", "slow", "vanished", "floods", "explosions", "forgeries", "streams", "reused ids", "half open",
-               "wrong frames", "odd requests", "saved"} - set(hostility.counts)
+               "wrong frames", "odd requests", "saved", "pictures"} - set(hostility.counts)
     if missing:
         hostility.failures.append(f"nothing came of: {', '.join(sorted(missing))}")
     if hostility.saved_step == 0:

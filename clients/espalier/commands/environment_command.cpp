@@ -228,11 +228,15 @@ struct CheckOptions {
 };
 
 int checkOther(CheckOptions& options) {
+  std::unique_ptr<server::TraceFileSource> trace;
   if (!options.traceFile.empty()) {
-    if (const auto problem = server::readTraceFile(options.traceFile, options.check.trace)) {
-      printError(*problem);
+    auto opened = server::TraceFileSource::open(options.traceFile);
+    if (!opened) {
+      printError(opened.error());
       return kFailure;
     }
+    trace = std::move(*opened);
+    options.check.trace = trace.get();
   }
   if (!options.configurationFile.empty()) {
     auto text = server::DiskFileProvider().read(options.configurationFile);

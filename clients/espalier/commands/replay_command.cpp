@@ -13,15 +13,16 @@ namespace {
 struct ReplayOptions {
   std::string trace;
   unsigned threads = 1;
+  std::uint64_t eventBytes = server::maximumTraceEventBytes();
 };
 
 int replay(const ReplayOptions& options) {
-  std::string bytes;
-  if (const auto problem = server::readTraceFile(options.trace, bytes)) {
-    printError(*problem);
+  const auto source = server::TraceFileSource::open(options.trace);
+  if (!source) {
+    printError(source.error());
     return kFailure;
   }
-  const auto outcome = simulation::replayTrace(bytes, options.threads);
+  const auto outcome = simulation::replayTrace(**source, options.eventBytes, options.threads);
   if (const auto* problem = std::get_if<std::string>(&outcome)) {
     printError("'" + options.trace + "': " + *problem);
     return kFailure;
@@ -49,6 +50,12 @@ void addReplay(CLI::App& program, int& status) {
       "  espalier derive tree.l --environment 'stdio:python3 light.py' --trace tree.trace\n"
       "  espalier replay tree.trace");
   command->add_option("TRACE", options->trace, "Trace file that --trace wrote")->required();
+  command
+      ->add_option(
+          "--event-bytes", options->eventBytes,
+          "Bytes that the questions and replies of one step, or the state at the start, may have in the trace;\n"
+          "default: 256000000, or a quarter of the memory when that is less")
+      ->type_name("N");
   command
       ->add_option("--threads", options->threads,
                    "Threads for the derivation; the result does not depend on their number")

@@ -48,6 +48,12 @@ tl::expected<Image, std::string> readPnmImage(std::string_view bytes) {
   if (!width || !height || !largest || *largest == 0 || *largest > 255) {
     return tl::unexpected<std::string>("the PNM picture must begin with width, height and a largest value up to 255");
   }
+  // a number has a digit and a blank, the last one only a digit
+  const std::uint64_t numbers = bytes.size() / (isText ? 2U : 1U) + 1;
+  if (*width <= kMostImagePixels && *height <= kMostImagePixels && *width * *height <= kMostImagePixels &&
+      *width * *height * (isColour ? 3U : 1U) > numbers) {
+    return tl::unexpected<std::string>(kImageIsCutOff);
+  }
   auto image = blankImage(*width, *height);
   if (!image) {
     return image;

@@ -21,6 +21,11 @@ tl::expected<Image, std::string> readTgaImage(std::string_view bytes) {
   const std::uint32_t width = littleEndian16(bytes, 12);
   const std::uint32_t height = littleEndian16(bytes, 14);
   const std::uint8_t order = byteAt(bytes, 17);
+  // a packet of a run has a pixel for 128
+  const std::uint64_t packets = bytes.size() / ((kind & kRunLengthBit) != 0 ? 1U + pixelBytes : pixelBytes);
+  if (std::uint64_t{width} * height > packets * ((kind & kRunLengthBit) != 0 ? 128U : 1U)) {
+    return tl::unexpected<std::string>(kImageIsCutOff);
+  }
   auto blank = blankImage(width, height);
   if (!blank) {
     return blank;

@@ -11,6 +11,7 @@
 #include "engine/turtle/scene/geometry.h"
 #include "server/remote/channel_link.h"
 #include "server/remote/remote_process.h"
+#include "server/remote/trace_file.h"
 
 namespace espalier::server {
 namespace {
@@ -136,7 +137,7 @@ class Checker {
       checkState();
       measure();
     }
-    if (!options_.trace.empty()) {
+    if (options_.trace != nullptr) {
       compareWithTrace();
     }
     print_(isRight_ ? "all is right" : "not all is right");
@@ -437,7 +438,7 @@ class Checker {
         goesOn = repliesAsRecorded(asked, recorded);
       }
     };
-    const auto replayed = simulation::replayTrace(options_.trace, 1, witness);
+    const auto replayed = simulation::replayTrace(*options_.trace, maximumTraceEventBytes(), 1, witness);
     if (const auto* problem = std::get_if<std::string>(&replayed)) {
       bad("trace: " + *problem);
     } else if (const auto& divergence = std::get<simulation::ReplayResult>(replayed).divergence) {
@@ -453,7 +454,7 @@ class Checker {
       compareWithReplay();
       return;
     }
-    simulation::TraceReader reader(options_.trace);
+    simulation::TraceReader reader(*options_.trace, maximumTraceEventBytes());
     std::size_t steps = 0;
     std::size_t queries = 0;
     while (true) {

@@ -5,13 +5,15 @@
 #include <string>
 #include <string_view>
 
+#include "engine/core/byte_source.h"
+
 namespace espalier::server {
 
 struct EnvironmentCheckOptions {
   std::string address;  // tcp://HOST:PORT or stdio:COMMAND
   std::chrono::milliseconds stepTimeout{60'000};
-  std::string configurationJson;  // for environment.open; empty: none
-  std::string trace;              // bytes of a recorded run whose queries are put to it too; empty: none
+  std::string configurationJson;      // for environment.open; empty: none
+  core::ByteSource* trace = nullptr;  // of a recorded run whose queries are put to it too; null: none
 };
 
 /// Talks to an environment without a simulation and tells the author what is right and what is not: description, shapes

@@ -115,7 +115,8 @@ TEST(Trace, AStepThatFailedAndWasMadeAgainIsReplayedOnce) {
 /// The events of a trace, for changing them.
 std::vector<std::pair<std::size_t, TraceEvent>> eventsOf(const std::string& trace) {
   std::vector<std::pair<std::size_t, TraceEvent>> events;
-  TraceReader reader(trace);
+  core::ViewSource source(trace);
+  TraceReader reader(source);
   while (true) {
     auto read = reader.next();
     EXPECT_TRUE(std::holds_alternative<std::optional<TraceEvent>>(read));

@@ -107,8 +107,9 @@ std::vector<simulation::TraceEvent> eventsIn(const std::string& folder) {
   std::vector<simulation::TraceEvent> events;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     std::string bytes;
-    EXPECT_EQ(readTraceFile(entry.path().string(), bytes), std::nullopt);
-    simulation::TraceReader reader(bytes);
+    EXPECT_EQ(TraceFileSource::open(entry.path().string()).value()->read(SIZE_MAX, bytes), std::nullopt);
+    core::ViewSource source(bytes);
+    simulation::TraceReader reader(source);
     while (true) {
       auto read = reader.next();
       auto* event = std::get_if<std::optional<simulation::TraceEvent>>(&read);

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 
+#include "engine/simulation/trace.h"
 #include "tests/server/server_fixture.h"
 
 namespace espalier::server {
@@ -15,6 +17,50 @@ std::unique_ptr<TraceFile> make(const std::string& name) {
   return std::move(made.value());
 }
 
+/// All bytes of a trace, taken in pieces of odd sizes.
+std::string contentOf(const std::string& name) {
+  const auto source = TraceFileSource::open(name);
+  EXPECT_TRUE(source.has_value());
+  std::string bytes;
+  for (std::size_t size = 0; source;) {
+    EXPECT_EQ((*source)->read(777'777, bytes), std::nullopt);
+    if (bytes.size() - size < 777'777) {
+      break;
+    }
+    size = bytes.size();
+  }
+  return bytes;
+}
+
+/// A zstd frame of `blocks` blocks of 128 KB of one byte, which have four bytes each, after the given bytes.
+std::string zstdBomb(const std::string& head, std::size_t blocks) {
+  // no content size, a window of 128 KB
+  std::string frame("\x28\xB5\x2F\xFD\x00\x38", 6);
+  const auto block = [&frame](std::size_t size, unsigned kind, bool isLast) {
+    const std::size_t header = size << 3U | kind << 1U | (isLast ? 1U : 0U);
+    for (const unsigned shift : {0U, 8U, 16U}) {
+      frame += static_cast<char>(header >> shift & 0xFFU);
+    }
+  };
+  block(head.size(), 0, false);
+  frame += head;
+  for (std::size_t i = 0; i < blocks; ++i) {
+    block(std::size_t{1} << 17U, 1, i + 1 == blocks);
+    frame += '\0';
+  }
+  return frame;
+}
+
+/// What the replay of a trace of these bytes says when an event has at most 10 MB.
+std::string replayOf(const std::string& bytes) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() + "/t.zst", std::ios::binary) << bytes;
+  const auto source = TraceFileSource::open(folder.path() + "/t.zst");
+  const auto outcome = simulation::replayTrace(**source, 10'000'000, 1);
+  const auto* problem = std::get_if<std::string>(&outcome);
+  return problem == nullptr ? "(none)" : *problem;
+}
+
 TEST(TraceFile, WhatWasWrittenIsReadCompressedOrNot) {
   const TemporaryFolder folder;
   const std::string much(3'000'000, 'x');
@@ -23,9 +69,7 @@ TEST(TraceFile, WhatWasWrittenIsReadCompressedOrNot) {
     file->write("head");
     file->write(much);
     EXPECT_EQ(file->close(), std::nullopt);
-    std::string bytes;
-    EXPECT_EQ(readTraceFile(folder.path() + name, bytes), std::nullopt);
-    EXPECT_EQ(bytes, "head" + much);
+    EXPECT_EQ(contentOf(folder.path() + name), "head" + much);
   }
   EXPECT_LT(std::filesystem::file_size(folder.path() + "/t.trace.zst"), 100'000U);
 }
@@ -36,32 +80,32 @@ TEST(TraceFile, WhatWasFlushedIsReadableThoughTheFileWasNeverClosed) {
   file->write("first");
   file->flush();
   file->write("second, which is lost");
-  std::string bytes;
-  EXPECT_EQ(readTraceFile(folder.path() + "/t.zst", bytes), std::nullopt);
-  EXPECT_EQ(bytes, "first");
+  EXPECT_EQ(contentOf(folder.path() + "/t.zst"), "first");
 }
 
-TEST(TraceFile, AFewBytesDoNotFillTheMemory) {
-  const TemporaryFolder folder;
-  const auto file = make(folder.path() + "/t.zst");
-  file->write(std::string(50'000'000, 'x'));
-  EXPECT_EQ(file->close(), std::nullopt);
-  ASSERT_LT(std::filesystem::file_size(folder.path() + "/t.zst"), 100'000U);
-  std::string bytes;
-  EXPECT_EQ(readTraceFile(folder.path() + "/t.zst", bytes, 50'000'000), std::nullopt);
-  const auto problem = readTraceFile(folder.path() + "/t.zst", bytes, 49'999'999);
-  ASSERT_TRUE(problem.has_value());
-  EXPECT_NE(problem->find("has more than 49999999 bytes when it is decompressed. Decompress it with zstd"),
-            std::string::npos)
-      << *problem;
+TEST(TraceFile, AFewBytesThatStandForGigabytesAreRefusedAtTheFirstEvent) {
+  // 6 GB of zeros in 183 kB
+  EXPECT_EQ(replayOf(zstdBomb("", 45'777)), "this is not a trace: it does not begin with ESPTRACE.");
+  // an event of zeros that is longer than the bound, one that is longer than the memory, and one within the bound
+  const std::string head("ESPTRACE\x01\0\0\0", 12);
+  EXPECT_EQ(
+      replayOf(zstdBomb(head + std::string("\0\0\0\x40\x01\0\0\0", 8), 45'777)),
+      "the event at byte 12 has 5368709120 bytes, of which at most 10000000 are read: the trace is damaged, or needs "
+      "more memory.");
+  EXPECT_EQ(
+      replayOf(zstdBomb(head + std::string(8, '\xFF'), 45'777)),
+      "the event at byte 12 has 18446744073709551615 bytes, of which at most 10000000 are read: the trace is damaged, "
+      "or needs more memory.");
+  EXPECT_EQ(replayOf(zstdBomb(head + std::string("\0\x80\x96\0\0\0\0\0", 8), 45'777)),
+            "the event at byte 12 cannot be read: the trace is damaged.");
 }
 
 TEST(TraceFile, FailuresAreSentences) {
   const TemporaryFolder folder;
   const auto made = TraceFile::create(folder.path() + "/none/t");
   EXPECT_NE(made.error().find("No such file or directory; give a file in a folder that exists."), std::string::npos);
-  std::string bytes;
-  EXPECT_NE(readTraceFile(folder.path() + "/t", bytes)->find("cannot read the trace"), std::string::npos);
+  EXPECT_NE(TraceFileSource::open(folder.path() + "/t").error().find("cannot read the trace"), std::string::npos);
+  EXPECT_NE(TraceFileSource::open(folder.path()).error().find("Is a directory"), std::string::npos);
   // a full disk does not end the run, and is told at its end
   const auto full = make("/dev/full");
   full->write(std::string(1'000'000, 'x'));

@@ -302,9 +302,9 @@ TEST(Session, ATraceIsBegunEndedListedAndSent) {
   const std::string sent = member(resultOf(get(R"("trace","trace":1)")), "content");
   const std::string file = folder.path() + "/sent.trace.zst";
   std::ofstream(file, std::ios::binary) << protocol::fromBase64(sent).value_or("");
-  std::string bytes;
-  EXPECT_EQ(readTraceFile(file, bytes), std::nullopt);
-  const auto replayed = simulation::replayTrace(bytes, 1);
+  const auto source = TraceFileSource::open(file);
+  ASSERT_TRUE(source.has_value());
+  const auto replayed = simulation::replayTrace(**source, UINT64_MAX, 1);
   ASSERT_TRUE(std::holds_alternative<simulation::ReplayResult>(replayed)) << std::get<std::string>(replayed);
   EXPECT_EQ(std::get<simulation::ReplayResult>(replayed).steps, 2U);
   EXPECT_FALSE(std::get<simulation::ReplayResult>(replayed).divergence.has_value());

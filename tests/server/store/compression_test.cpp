@@ -17,5 +17,12 @@ TEST(Compression, AFrameThatPromisesMoreThanItCanHoldIsDamaged) {
   EXPECT_EQ(decompress("no frame"), std::nullopt);
 }
 
+TEST(Compression, AFewBytesDoNotFillTheMemory) {
+  const std::string packed = compress(std::string(10'000'000, 'x'));
+  EXPECT_LT(packed.size(), 2'000U);
+  EXPECT_EQ(decompress(packed, 9'999'999), std::nullopt);
+  EXPECT_EQ(decompress(packed, 10'000'000), std::string(10'000'000, 'x'));
+}
+
 }  // namespace
 }  // namespace espalier::server

@@ -214,6 +214,23 @@ TEST(ImageFile, AnUnknownFormatIsAnErrorThatNamesTheKnownOnes) {
   EXPECT_NE(problemOf("a.jpg", broken).find("JPEG picture"), std::string::npos);
 }
 
+TEST(ImageFile, AJpegPictureOfMoreThanAHundredScansIsRefused) {
+  // the whole last scan of a progressive picture again and again
+  const std::string once = fileText("progressive.jpg");
+  const std::size_t scan = once.rfind("\xff\xda");
+  ASSERT_NE(scan, std::string::npos);
+  const std::size_t end = once.size() - 2;
+  const auto withFurtherScans = [&](int count) {
+    std::string bytes = once.substr(0, end);
+    for (int i = 0; i < count; ++i) {
+      bytes += once.substr(scan, end - scan);
+    }
+    return bytes + once.substr(end);
+  };
+  EXPECT_EQ(imageOf("a.jpg", withFurtherScans(50)).width, 16);
+  EXPECT_EQ(problemOf("a.jpg", withFurtherScans(100)), "the JPEG picture is damaged: it has more than 100 scans");
+}
+
 TEST(UtahImage, RunsBytesAndSkipsAreRead) {
   // bottom row: red 9 9 (a run), green 7 8 (bytes); the row above: blue from the second pixel on; a long operand
   const std::string bytes = utahHeader(0, 2, 3, 3) + std::string("\x02\0\x06\x01\x09\0\x02\x01\x05\x01\x07\x08", 12) +
