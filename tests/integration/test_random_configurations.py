@@ -2,6 +2,7 @@
 does not hold."""
 
 import json
+import os
 import random
 import time
 import unittest
@@ -42,6 +43,7 @@ class RandomConfigurations(unittest.TestCase):
     def test_a_hundred_configurations(self) -> None:
         self.run_configurations(seed=1, most=100, seconds=20.0)
 
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes minutes: ./dev test --all long")
     def test_long_thousands_of_configurations(self) -> None:
         self.run_configurations(seed=int(time.time()), most=1_000_000, seconds=300.0)
 
