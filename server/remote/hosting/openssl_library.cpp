@@ -28,6 +28,7 @@ extern "C" {
 
 ESPALIER_TLS(const SSL_METHOD*, TLS_client_method, (), ())
 ESPALIER_TLS(const SSL_METHOD*, TLS_server_method, (), ())
+ESPALIER_TLS(const SSL_METHOD*, TLS_method, (), ())
 
 ESPALIER_TLS(SSL_CTX*, SSL_CTX_new, (const SSL_METHOD* method), (method))
 ESPALIER_TLS(void, SSL_CTX_free, (SSL_CTX * context), (context))
@@ -41,6 +42,7 @@ ESPALIER_TLS(void, SSL_CTX_set_default_passwd_cb_userdata, (SSL_CTX * context, v
 ESPALIER_TLS(int, SSL_CTX_set_default_verify_paths, (SSL_CTX * context), (context))
 ESPALIER_TLS(int, SSL_CTX_load_verify_locations, (SSL_CTX * context, const char* file, const char* folder),
              (context, file, folder))
+ESPALIER_TLS(int, SSL_CTX_check_private_key, (const SSL_CTX* context), (context))
 ESPALIER_TLS(int, SSL_CTX_use_PrivateKey_file, (SSL_CTX * context, const char* file, int type), (context, file, type))
 ESPALIER_TLS(int, SSL_CTX_use_certificate_chain_file, (SSL_CTX * context, const char* file), (context, file))
 
