@@ -37,7 +37,14 @@ class Interruption {
    public:
     Scope(Interruption& interruption, std::function<void()> stop) : interruption_(&interruption) {
       const std::lock_guard lock(interruption_->mutex_);
-      outer_ = std::exchange(interruption_->stop_, std::move(stop));
+      outer_ = std::move(interruption_->stop_);
+      // what is around it is stopped too
+      interruption_->stop_ = [this, own = std::move(stop)] {
+        own();
+        if (outer_) {
+          outer_();
+        }
+      };
       if (interruption_->reason_ != Reason::None) {
         interruption_->stop_();
       }

@@ -45,6 +45,19 @@ TEST(RunawayEnvironments, SolutesThatSpreadTooFastEndWithASentenceOrWithCallSeco
   EXPECT_NE(tooLong.message.find("callSeconds"), std::string::npos) << tooLong.message;
 }
 
+TEST(RunawayEnvironments, AnEnvironmentThatOpensForLongEndsWithCallSeconds) {
+  ServerOptions options;
+  options.limits.callSeconds = 1;
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  // hardly any of ten million markers finds a place in the envelope
+  const auto error = errorOf(client->request(
+      "simulation.create",
+      R"({"model":{"source":"Lsystem: 1\nderivation length: 9\nAxiom: F(1)?E(1)\nF(x) --> F(x)\nendlsystem\n"},"seed":1,)"
+      R"("environment":[{"type":"colonization","markerCount":10000000,"spheres":[[0,0,0,0.01]],"markerBox":[-9,-9,-9,9,9,9]}]})"));
+  EXPECT_NE(error.message.find("callSeconds"), std::string::npos) << error.message;
+}
+
 TEST(RunawayEnvironments, ANarrowPlotEndsWithCallSeconds) {
   ServerOptions options;
   options.limits.callSeconds = 1;
