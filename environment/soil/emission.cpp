@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "engine/core/elementary.h"
-#include "environment/base/or_go_back.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
@@ -127,7 +126,7 @@ class Emission final : public turtle::EnvironmentProcess {
       }
     }
     countAnswers(queries, replies);
-    orGoBack(field_.cells(), [&] {
+    field_.orGoBack(diffusion_.stepCount, [&] {
       giveOff(std::move(given));
       field_.spread(diffusion_);
     });
@@ -135,7 +134,7 @@ class Emission final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override {
-    orGoBack(field_.cells(), [&] { field_.spread(diffusion_); });
+    field_.orGoBack(diffusion_.stepCount, [&] { field_.spread(diffusion_); });
     return std::nullopt;
   }
 

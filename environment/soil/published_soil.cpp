@@ -15,7 +15,6 @@
 #include <utility>
 
 #include "engine/core/work_meter.h"
-#include "environment/base/or_go_back.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
 #include "environment/base/state_numbers.h"
@@ -64,7 +63,7 @@ class PublishedSoil final : public turtle::EnvironmentProcess {
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
     std::vector<float> next(sweepCount_ != 0 ? field_.cells().size() : 0);
-    orGoBack(field_.cells(), [&] {
+    field_.orGoBack(mostSweeps(), [&] {
       for (std::size_t query = 0; query < queries.size(); ++query) {
         answer(queries, query, replies);
       }
@@ -196,14 +195,18 @@ class PublishedSoil final : public turtle::EnvironmentProcess {
     return {};
   }
 
+  [[nodiscard]] int mostSweeps() const { return sweepCount_ < 0 ? kMostSweeps : sweepCount_; }
+
   void diffuse(std::vector<float>& next) {
     for (std::size_t cell = 0; cell < isSource_.size() && !areKindsGone_; ++cell) {
       if (isSource_[cell] != 0) {
         field_.cells()[cell] = most_;
       }
     }
-    for (int sweep = 0; sweep < (sweepCount_ < 0 ? kMostSweeps : sweepCount_); ++sweep) {
-      core::pollWork();
+    for (int sweep = 0; sweep < mostSweeps(); ++sweep) {
+      if (SoilField::isLong(mostSweeps())) {
+        core::pollWork();
+      }
       if (!relax(sweep > 0, next) && sweepCount_ < 0) {
         break;
       }

@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "environment/base/or_go_back.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
@@ -175,7 +174,7 @@ class Soil final : public turtle::EnvironmentProcess {
     for (std::size_t query = 0; query < queries.size(); ++query) {
       setDirections(queries, query, replies);
     }
-    orGoBack(field_.cells(), [&] {
+    field_.orGoBack(diffusion_.stepCount, [&] {
       shareOut(queries, replies);
       countAnswers(queries, replies);
       field_.spread(diffusion_);
@@ -184,7 +183,7 @@ class Soil final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> tick(std::uint64_t) override {
-    orGoBack(field_.cells(), [&] { field_.spread(diffusion_); });
+    field_.orGoBack(diffusion_.stepCount, [&] { field_.spread(diffusion_); });
     return std::nullopt;
   }
 

@@ -170,6 +170,9 @@ void SoilField::spread(const Diffusion& diffusion) {
   }
   if (diffusion.tolerance > 0.0) {
     for (int step = 0; step < diffusion.stepCount; ++step) {
+      if (isLong(diffusion.stepCount)) {
+        core::pollWork();
+      }
       relax(1, factors, 1.0);
       if (largestChange() < diffusion.tolerance) {
         break;
@@ -266,9 +269,11 @@ void SoilField::relax(int stepCount, const Factors& factors, double staying) {
   const std::size_t layerBytes = cells_.size() / layerCount() * sizeof(double);
   const auto together = static_cast<int>(std::clamp<std::size_t>(kCacheBytes / (2 * layerBytes), 4, 12)) - 3;
   for (int done = 0; done < stepCount;) {
+    if (isLong(stepCount)) {
+      core::pollWork();
+    }
     const int count = std::min(together, stepCount - done);
     for (std::ptrdiff_t front = 0; front < layers + count - 1; ++front) {
-      core::pollWork();
       for (int step = 0; step < count; ++step) {
         if (front >= step && front - step < layers) {
           const bool isLast = done + step + 1 == stepCount;

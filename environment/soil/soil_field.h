@@ -58,7 +58,27 @@ class SoilField {
   /// the step before only. O(cells · steps), at the speed of memory where obstacles are few.
   void spread(const Diffusion& diffusion);
 
+  /// Whether a step with so many sweeps over the cells may be given up while it computes: then its loops call
+  /// core::pollWork(), and it stands in orGoBack(). To keep the cells costs about a sweep, so short steps go on.
+  [[nodiscard]] static bool isLong(int sweeps) { return sweeps > kShortSweeps; }
+  /// Makes a step with so many sweeps. The cells of a long one are as before when it ends with an exception.
+  template <typename Step>
+  void orGoBack(int sweeps, Step&& step) {
+    if (!isLong(sweeps)) {
+      step();
+      return;
+    }
+    kept_ = cells_;
+    try {
+      step();
+    } catch (...) {
+      cells_ = kept_;
+      throw;
+    }
+  }
+
  private:
+  static constexpr int kShortSweeps = 8;
   [[nodiscard]] std::size_t index(std::size_t x, std::size_t y, std::size_t z) const {
     return (z * shape_.cells[1] + y) * shape_.cells[0] + x;
   }
@@ -90,6 +110,7 @@ class SoilField {
   std::vector<double> initial_;
   std::vector<double> cells_;
   std::vector<double> next_;  // of a relaxation; empty before the first one
+  std::vector<double> kept_;  // cells before a long step; empty before the first one
   std::vector<Run> runs_;     // these two hold every cell once; empty before the first relaxation
   std::vector<BorderCell> borders_;
   std::vector<std::size_t> firstRunOf_;  // by layer, a slice or in a plane a row (layerCount() + 1)

@@ -73,7 +73,7 @@ class TcpOrTlsStream {
                                       boost::asio::any_completion_handler<Signature>(std::forward<Handler>(handler)));
   }
 
-  /// Begins to read or write the first buffers. Those that remain empty have no size.
+  /// Begins to read or write the first buffers that are not empty. Those that remain have no size.
   template <typename Buffer, typename Buffers, typename Token, typename Begin>
   auto start(const Buffers& buffers, Token&& token, Begin begin) {
     return boost::asio::async_initiate<Token, void(error_code, std::size_t)>(
@@ -82,7 +82,8 @@ class TcpOrTlsStream {
           std::size_t count = 0;
           for (auto at = boost::asio::buffer_sequence_begin(all);
                at != boost::asio::buffer_sequence_end(all) && count < kMostBuffers; ++at) {
-            few[count++] = Buffer(*at);
+            few[count] = Buffer(*at);
+            count += few[count].size() > 0 ? 1 : 0;
           }
           begin(few, erased<void(error_code, std::size_t)>(std::move(handler)));
         },

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import http.client
 import json
+import os
 import shutil
+import signal
 import socket
 import subprocess
 import tempfile
@@ -137,6 +139,14 @@ class OverHttp(unittest.TestCase):
             except OSError:
                 self.assertLess(time.monotonic(), end)
                 time.sleep(0.1)
+
+    def test_a_server_that_is_gone_is_named(self) -> None:
+        session = self.begin()
+        children = subprocess.run(["ps", "-o", "pid=", "--ppid", str(self.process.process.pid)], capture_output=True, text=True, check=True)
+        os.kill(int(children.stdout), signal.SIGKILL)
+        for message, known in ((call(1, "gallery"), session), (request(1, "initialize"), None)):
+            status, answer, _ = self.send(message=message, session=known)
+            self.assertEqual((status, answer["error"]["message"][:40]), (503, "The server of the plants does not answer"))
 
     def test_it_ends_with_its_server(self) -> None:
         session = self.begin()

@@ -282,7 +282,8 @@ def fields_of(data: Any, step: int = -1) -> Fields:
     rule = f"{', '.join(others)} cannot be read: a quantity has the dimensions x, y, z and at most one more, so choose a part of it first."
     if not quantities:
         raise FieldError(f"the data set has no quantity, and {rule if others else 'no variables over x, y and z: give another data set.'}")
-    _note(rule) if others else None
+    if others:
+        _note(rule)
     return Fields(grid, quantities, length_unit)
 
 

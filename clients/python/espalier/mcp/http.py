@@ -15,6 +15,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Callable, Dict, Optional, Tuple
 from urllib.parse import urlsplit
 
+from ..errors import EspalierError
 from . import INVALID_REQUEST, LINE_BYTES, VERSIONS, Conversation, Tools
 from .tools import SESSIONS
 
@@ -131,11 +132,15 @@ class Handler(BaseHTTPRequestHandler):
         if named is None and not is_initialize(body):
             self._refuse(400, "Send initialize first, and then the Mcp-Session-Id of its answer with every request.", is_kept=True)
             return
-        identifier, session = (named, self.server.session(named)) if named is not None else self.server.open_session()
-        if session is None:
-            self._refuse(404, "The session has ended. Send initialize again.", is_kept=True)
+        try:
+            identifier, session = (named, self.server.session(named)) if named is not None else self.server.open_session()
+            if session is None:
+                self._refuse(404, "The session has ended. Send initialize again.", is_kept=True)
+                return
+            answer = session.answer(body)
+        except (EspalierError, OSError):
+            self._refuse(503, "The server of the plants does not answer. Start it again, or python3 -m espalier.mcp when it has its own.")
             return
-        answer = session.answer(body)
         # escaped: half of a character pair cannot be written as UTF-8
         self._send(202 if answer is None else 200, b"" if answer is None else json.dumps(answer).encode(),
                    {"Mcp-Session-Id": identifier} if named is None else {})
