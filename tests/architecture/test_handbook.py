@@ -7,7 +7,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Dict, Iterator, List, Tuple
+from typing import Dict, Iterator, List, Set, Tuple
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "support"), str(ROOT / "docs")]
@@ -51,15 +51,18 @@ def read(path: Path) -> str:
     return path.read_text(encoding="utf-8", errors="replace")
 
 
+def without_blocks(text: str) -> str:
+    return re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
 def without_code(text: str) -> str:
     """Fenced blocks and code spans hold no links."""
-    text = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+    text = without_blocks(text)
     return re.sub(r"``[^\n]*?``|`[^`\n]*`", "", text)
 
 
 def headings(text: str) -> List[str]:
-    text = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
-    return [match.strip() for match in re.findall(r"^#{1,6} +(.+)$", text, re.MULTILINE)]
+    return [match.strip() for match in re.findall(r"^#{1,6} +(.+)$", without_blocks(text), re.MULTILINE)]
 
 
 def anchor(heading: str) -> str:
@@ -116,6 +119,26 @@ def broken_citations(name: str, text: str, base: Path) -> List[str]:
     return breaches
 
 
+# a file of source code in a code span: not `.h` alone, and no placeholder as NAME.cpp or x_test.cpp
+NAMED_SOURCE = re.compile(r"`((?:[\w-]+/)*(?!x_)[a-z][a-z0-9_]+\.(?:h|cpp|def|tsx?))`")
+# pages about files of other programs
+PAGES_OF_OTHERS = ("engine/core/musl/README.md",)
+# the build makes it
+MADE_SOURCES = {"src/protocol.ts"}
+
+
+def ends_of(names: List[str]) -> Set[str]:
+    """Every end of a path that begins at a folder or at the file."""
+    return {"/".join(parts[i:]) for parts in (name.split("/") for name in names) for i in range(len(parts))}
+
+
+def missing_sources(page: Path, text: str, ends: Set[str]) -> List[str]:
+    """Source files that a page names and the repository lacks. Files that the blocks of the page name are the reader's."""
+    blocks = "".join(re.findall(r"^```.*?^```|^<!-- .* -->$", text, re.MULTILINE | re.DOTALL))
+    return [f"{relative(page)}: no such source file: {name}" for name in NAMED_SOURCE.findall(without_blocks(text))
+            if name not in ends and name not in MADE_SOURCES and name not in blocks]
+
+
 def source_texts() -> Iterator[Tuple[Path, str]]:
     for path in files():
         if path.suffix in TEXT_SUFFIXES and path != Path(__file__).resolve() and path.stat().st_size < 1_000_000:
@@ -138,6 +161,11 @@ class Pages(unittest.TestCase):
     def test_every_citation_of_a_section_leads_to_it(self) -> None:
         self.assertEqual([breach for path, text in source_texts()
                           for breach in broken_citations(relative(path), text, path.parent)], [])
+
+    def test_every_source_file_that_a_page_names_is_there(self) -> None:
+        ends = ends_of([relative(path) for path in files()])
+        self.assertEqual([breach for page in pages() if relative(page) not in ("CHANGELOG.md", *PAGES_OF_OTHERS)
+                          for breach in missing_sources(page, read(page), ends)], [])
 
     def test_nothing_cites_a_page_that_is_not_in_the_repository(self) -> None:
         breaches = []
@@ -182,6 +210,11 @@ class Rules(unittest.TestCase):
     def test_a_broken_citation_is_seen(self) -> None:
         self.assertEqual(broken_citations("x", "docs/language.md, 1.5; docs/model-files.md, 4.3", ROOT), [])
         self.assertEqual(len(broken_citations("x", "docs/language.md, 7.5; docs/nothing.md, 1", ROOT)), 2)
+
+    def test_a_source_file_that_is_missing_is_seen(self) -> None:
+        text = "`server/log.h` `log.h` `NAME.h` `x_test.cpp` `.cpp` `gone.cpp` `session/log.h`"
+        said = missing_sources(ROOT / "README.md", text, ends_of(["server/log.h"]))
+        self.assertEqual([breach.rpartition(" ")[2] for breach in said], ["gone.cpp", "session/log.h"])
 
     def test_foreign_pages_are_seen(self) -> None:
         for text in ("LANG" "UAGE §1.3", "LANG" "UAGE: modes", "FIL" "ES §4"):
@@ -286,6 +319,19 @@ class Facts(unittest.TestCase):
         page = read(folder / "README.md")
         self.assertEqual([path.name for path in sorted(folder.glob("*test*")) if path.suffix in (".py", ".cpp")
                           and f"`{path.name}`" not in page], [])
+
+    def test_the_page_of_the_command_line_names_the_file_of_every_command(self) -> None:
+        folder = ROOT / "clients" / "espalier"
+        page = read(folder / "README.md")
+        self.assertEqual([path.name for path in sorted((folder / "commands").glob("*_command.cpp"))
+                          if f"`{path.name}`" not in page], [])
+
+    def test_the_reference_of_the_command_line_names_every_command(self) -> None:
+        said = subprocess.run([program(), "--help"], capture_output=True, text=True, check=True).stdout
+        commands = re.findall(r"^  ([a-z-]+)  ", said.split("Subcommands:")[1], re.MULTILINE)
+        self.assertGreater(len(commands), 25)
+        page = read(ROOT / "docs" / "command-line.md")
+        self.assertEqual([name for name in commands if not re.search(rf"`(?:espalier )?{name}[` ]", page)], [])
 
     def test_the_page_for_contributors_names_every_verb(self) -> None:
         said = subprocess.run([str(ROOT / "dev"), "help"], capture_output=True, text=True, check=True).stdout
