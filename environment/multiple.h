@@ -16,7 +16,7 @@ namespace espalier::environment {
 /// All environments advance in a step or, when one fails, none. O(queries + parameters) besides the environments.
 extern const ProcessEntry kMultipleProcess;
 
-/// The same of processes that exist already: those of published `.e` files. At least one.
+/// The same for processes that exist already: those of published `.e` files. At least one.
 [[nodiscard]] std::unique_ptr<turtle::EnvironmentProcess> makeMultiple(
     std::vector<std::unique_ptr<turtle::EnvironmentProcess>> members, bool isCompatible);
 

@@ -21,9 +21,9 @@ namespace espalier::protocol {
 #define ESPALIER_METHOD(NAME, PARAMS, ANSWERER, ROLE, SUMMARY) \
   [[nodiscard]] Expected<PARAMS> decode##PARAMS(const Payload& payload);
 #include "protocol/methods.def"
-/// Of a forest file, which people write: a member that is not known is an error.
+/// Reads a forest file. People write it, so an unknown member is an error.
 [[nodiscard]] Expected<ForestParams> decodeForestParams(const Payload& payload);
-/// A world that a person wrote: an unknown member is an error.
+/// Reads a world. People write it, so an unknown member is an error.
 [[nodiscard]] Expected<WorldRecord> decodeWorld(const Payload& payload);
 /// The days of a duration such as "1 h", "0.25 d" or "30 min"; nothing when the text is no such.
 [[nodiscard]] std::optional<double> daysOfDuration(std::string_view text);

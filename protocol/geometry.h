@@ -18,7 +18,7 @@ class Payload;
 /// when it is null the caller keeps them alive. Rows: s segments, o organs, v vertices, t triangles; of a difference
 /// only the new ones.
 struct GeometryColumns {
-  /// As the first number of a run: the run takes new rows, not rows of the geometry before.
+  /// Stands for the first number of a run that takes new rows, not rows of the geometry before.
   static constexpr std::uint32_t kNewRows = 0xFFFFFFFF;
 
   bool isDifference = false;

@@ -19,7 +19,7 @@ namespace espalier::protocol {
 
 // Plain data of the messages in README.md, by method. Members named ...Json hold a JSON text that travels as it is.
 
-/// Of a method without params: all members are ignored.
+/// The params of a method without params: all members are ignored.
 struct NoParams {};
 
 // ---- handshake ----
@@ -60,19 +60,19 @@ struct ModelParams {
   std::vector<std::pair<std::string, std::string>> defines;  // NAME, VALUE: they win over #define
 };
 
-/// Of editor.message: a message of the Language Server Protocol.
+/// The params of editor.message: a message of the Language Server Protocol.
 struct EditorParams {
   std::string message;     // JSON
   std::string simulation;  // whose counts code lenses show; empty: none
 };
 
-/// Of model.read.
+/// The params of model.read.
 struct ReadModelParams {
   std::string gallery;  // NAME, NAME/FILE or NAME/FILE:ENTRY; empty: a saved model
   std::string saved;    // its name
 };
 
-/// Of model.save.
+/// The params of model.save.
 struct SaveModelParams {
   std::string name;
   std::map<std::string, std::string> files;  // contents by name, texts and bytes
@@ -218,7 +218,7 @@ struct StepParams {
   bool wantsProgress = false;          // $/progress is sent on the way
 };
 
-/// Of $/cancel.
+/// The params of $/cancel.
 struct CancelParams {
   MessageId request;  // the one to give up
 };
@@ -255,7 +255,7 @@ struct ForkParams {
   std::string name;  // of the new one, for people; empty: that of the old one
 };
 
-/// Of turtle records.
+/// The turtle records that a stream shows.
 struct StreamSelection {
   std::vector<std::string> symbols;   // empty: all
   std::vector<std::uint32_t> plants;  // empty: all
@@ -274,7 +274,7 @@ struct GetParams {
   StreamSelection select;    // of turtle records
 };
 
-/// Of a method that only names a simulation.
+/// The params of a method that only names a simulation.
 struct SimulationParams {
   std::string simulation;
 };

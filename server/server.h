@@ -64,7 +64,7 @@ class Server {
   /// Binds and listens. An error sentence that says what to do (port in use, not loopback without token), or nothing.
   [[nodiscard]] std::optional<std::string> listen();
   [[nodiscard]] std::uint16_t port() const;
-  /// Of the HTTP side; 0: there is none.
+  /// The port of the HTTP side; 0: there is none.
   [[nodiscard]] std::uint16_t httpPort() const;
   /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it. SIGHUP reads the tokens again
   /// where there is readTokens; else it stops the server, unless it is ignored (nohup).

@@ -49,7 +49,7 @@ struct ModelOptions {
   [[nodiscard]] unsigned threadCount() const;
   /// `remote`, with threadCount() for the environment of one run.
   [[nodiscard]] RemoteOptions environmentOptions() const;
-  /// Of processor time for the whole run; 0: no limit.
+  /// Seconds of processor time for the whole run; 0: no limit.
   [[nodiscard]] std::uint64_t seconds() const;
 };
 

@@ -69,7 +69,7 @@ class Buffer {
     }
     return std::as_const(*this).share();
   }
-  /// The same of a buffer that came from share(), or is empty. Several threads may call it.
+  /// The same for a buffer that came from share() or is empty. Several threads may call it.
   [[nodiscard]] Buffer share() const {
     Buffer other;
     if (size_ > 0 && lease_ != nullptr) {

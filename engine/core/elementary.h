@@ -36,7 +36,7 @@ namespace espalier::core {
 [[nodiscard]] inline double atan(double x) {
   return espalier_musl_atan(x);
 }
-/// Not musl's, which is up to 1.4 ulp off: FDLIBM's reductions on y and x themselves instead of on their quotient.
+/// musl's is up to 1.4 ulp off. This one applies FDLIBM's reductions to y and x, not to their quotient.
 [[nodiscard]] double atan2(double y, double x);
 [[nodiscard]] inline double cos(double x) {
   return espalier_musl_cos(x);

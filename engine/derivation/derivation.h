@@ -48,9 +48,9 @@ class Derivation {
 
   /// One DerivationStep after the environment pass (docs/language.md, 1.5): counter, StartEach, the scan with
   /// decomposition, EndEach, and End in the last step. A failure leaves `state` as it was before the call. `changes`
-  /// (null: not wanted) becomes what the step left of the string. `counts` (null: not wanted) gets how often the step
-  /// applied each production, added to what it has; that is slower, because the step takes no shortcut. After a failure
-  /// it has the applications up to it.
+  /// (null: not wanted) receives the parts of the string that the step left as they were. The step adds to `counts`
+  /// (null: not wanted) how often it applied each production; it then takes no shortcut and is slower. After a failure
+  /// `counts` has the applications before the failure.
   void derive(PlantState& state, StepChanges* changes = nullptr, ProductionCounts* counts = nullptr);
 
   /// Gives the parameters of the string memory that no view shares, before answers are written into them.

@@ -93,7 +93,7 @@ class Analyser::Scope {
   }
   [[nodiscard]] bool isProduction() const { return isProduction_; }
 
-  /// Of two formal parameters with one name the first counts.
+  /// Adds a formal parameter. When two have the same name, the first one counts.
   void addFormal(const std::string& name, std::uint32_t slot) {
     production_.emplace(name, Binding{Binding::Kind::Slot, slot});
   }

@@ -34,7 +34,7 @@ class ModelSet {
   [[nodiscard]] core::SymbolId commonSymbol(std::uint32_t model, core::SymbolId symbol) const {
     return commonSymbol_[model][symbol];
   }
-  /// Of the communication modules that the simulation answers itself, by common SymbolId.
+  /// Whether a common SymbolId is that of a communication module that the simulation answers itself.
   [[nodiscard]] bool isSeed(core::SymbolId symbol) const { return symbol == seed_; }
   [[nodiscard]] bool isDeath(core::SymbolId symbol) const { return symbol == death_; }
   /// Whether a Program has such modules.

@@ -154,8 +154,8 @@ class Simulation {
   [[nodiscard]] derivation::DerivationOptions derivationOptions(std::size_t plant = 0) const;
   [[nodiscard]] std::string stringText(std::size_t plant = 0) const;
   [[nodiscard]] const StepStatistics& statistics() const;
-  /// Of memory that a step keeps for the next one, beside strings and environment: at most 32 for each module, and 4 MB
-  /// for the counts of productions unless a step applies more than 65,536 of them.
+  /// Bytes of memory that a step keeps for the next one, beside strings and environment. At most 32 for each module,
+  /// and 4 MB for the counts of productions unless a step applies more than 65,536 of them.
   [[nodiscard]] std::uint64_t keptBytes() const;
   /// The Program of a plant; of a simulation without plants the first.
   [[nodiscard]] const language::Program& program(std::size_t plant = 0) const;

@@ -28,13 +28,14 @@ class ViewDrawing {
   /// Forgets the view, and the memory that it shares with the simulation.
   void close();
 
-  /// Of the view as of a Simulation: Simulation::symbolNames, view, stringText, scene, turtleRecords.
+  /// The functions below give for the view what symbolNames, view, stringText, scene and turtleRecords give for a
+  /// Simulation.
   [[nodiscard]] const std::vector<std::string>& symbolNames() const;
   [[nodiscard]] const files::ViewSettings& settings() const;
   [[nodiscard]] std::string stringText(std::size_t plant) const;
   [[nodiscard]] std::variant<turtle::Scene, core::SimulationError> scene();
   [[nodiscard]] std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords();
-  /// As Simulation::visitModules.
+  /// Does what Simulation::visitModules does.
   [[nodiscard]] std::optional<core::SimulationError> visitModules(
       const std::function<void(const turtle::TurtleRecord&, std::uint64_t first)>& visit);
   /// The records as a chain of stretches. It shares with the chain of an earlier view what has not changed since. Null

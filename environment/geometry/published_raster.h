@@ -18,7 +18,7 @@ class PublishedRaster {
 
   [[nodiscard]] std::size_t cellCount() const { return shape_.cellCount(); }
   [[nodiscard]] std::size_t cellsInRow() const { return shape_.cells[0]; }
-  /// As Raster::cellOf.
+  /// Does what Raster::cellOf does.
   [[nodiscard]] std::optional<std::size_t> cellOf(const core::Vec3& point) const;
 
   /// The cells of a disc, those outside the raster left out. Its half-axes are int(radius in cells + 1) cells a and b.

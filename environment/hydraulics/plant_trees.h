@@ -34,7 +34,7 @@ class PlantTrees {
   /// length are left out. Expected O(segments) when few points lie within `join` of each other.
   void update(const turtle::Geometry& geometry);
 
-  /// Of all plants, those of one plant together.
+  /// The nodes of all plants; the nodes of one plant follow one another.
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
   /// The last node at a place that a plant has drawn up to a module; nothing when there is none. A collar is found from
   /// any module.

@@ -16,9 +16,10 @@ struct CellFactor {
   std::size_t reach = 0;  // cells up to so many to each side of the root share the uptake equally, and Φ is their mean
   double factor = 0.0;    // g; 0 when the root fills all of them
 };
-/// Of one cell g = ln(0.198 side/radius) (Peaceman, Society of Petroleum Engineers Journal 18, 1978), where 0.198 sides
-/// are the distance at which the soil has the cell's head. A root that is wider takes from as many cells as have a
-/// larger distance of that kind: its logarithm is the mean over all pairs of cells of the logarithm of theirs.
+/// The factor of one cell is g = ln(0.198 side/radius) (Peaceman, Society of Petroleum Engineers Journal 18, 1978). The
+/// soil has the cell's head at a distance of 0.198 sides from the root. A root that is wider than that takes from a
+/// block of cells, which has a larger such distance. Its logarithm is the mean of the logarithms of the distances of
+/// all pairs of cells in the block.
 [[nodiscard]] CellFactor cellFactor(double side, double radius);
 
 /// What a unit of root length takes up, and how it changes.

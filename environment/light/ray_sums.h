@@ -17,7 +17,7 @@ namespace espalier::environment {
 /// along the kept rays. The sums are bitwise those of a new beginning.
 class RaySums {
  public:
-  /// Of a ray whose sum is beyond the limit.
+  /// Stands for a sum that is beyond the limit.
   static constexpr std::int64_t kBeyond = std::numeric_limits<std::int64_t>::max();
   /// Largest limit.
   static constexpr std::int64_t kMostLimit = std::int64_t{1} << 62;

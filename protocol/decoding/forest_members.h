@@ -27,7 +27,7 @@ void requireKnown(const Member& object, std::span<const std::string_view> known)
 
 /// A world, which is there.
 [[nodiscard]] WorldRecord readWorld(const Member& member);
-/// The same of a simulation, a forest or a file: members and units that are not known are errors.
+/// The same for a simulation, a forest or a file: unknown members and units are errors.
 [[nodiscard]] WorldRecord readOwnWorld(const Member& member);
 
 /// `seeds`. Absent: the defaults.

@@ -22,9 +22,9 @@ class Network {
 
   /// Binds and listens where the server's options say; an error sentence when that is not possible.
   [[nodiscard]] std::optional<std::string> listen();
-  /// Of the listener for the protocol; 0: a Unix socket.
+  /// The port of the listener for the protocol; 0: a Unix socket.
   [[nodiscard]] std::uint16_t port() const;
-  /// Of the HTTP side; 0: none.
+  /// The port of the HTTP side; 0: there is none.
   [[nodiscard]] std::uint16_t httpPort() const;
   /// Whether every address that the name stands for is of this machine only; unix:PATH is.
   [[nodiscard]] static bool isLoopback(const std::string& host);

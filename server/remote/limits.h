@@ -39,7 +39,8 @@ struct ServerLimits {
   std::uint64_t accountStreams = 0;      // the same
   std::uint64_t accountCpuSeconds = 0;   // since the server was started; 0: no bound
   std::uint32_t callSeconds = 600;       // of computing without a completed step; 0: no bound
-  /// Of each simulation. A server has many of them: one string may take 4 GB, where a program of its own may take 16.
+  /// The limits of each simulation. A server has many of them, so a string may take 4 GB, not 16 GB as on the command
+  /// line.
   core::Limits simulation{.maximumModules = 200'000'000, .maximumStringBytes = 4'000'000'000};
 };
 

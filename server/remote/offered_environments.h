@@ -61,7 +61,7 @@ class OfferedEnvironments {
   /// Forgets all offers of a peer.
   void withdraw(const AskedPeer* peer);
   [[nodiscard]] std::optional<Offer> find(const std::string& name) const;
-  /// As find(), for a question: when another peer takes the name over, `call` fails.
+  /// Does what find(name) does, for a question: when another peer takes the name over, `call` fails.
   [[nodiscard]] std::optional<Offer> find(const std::string& name, const std::shared_ptr<PendingCall>& call);
   [[nodiscard]] std::vector<std::string> names() const;
   /// How many names a peer offers.

@@ -21,7 +21,7 @@ struct ServerLimits;
 enum class MemoryKind : std::uint8_t { Strings, Environments, Frames, Decoding, Compiling };
 
 inline constexpr std::size_t kMemoryKindCount = 5;
-/// As the wire and the metrics name them: stringBytes, environmentBytes, ...
+/// Their names on the wire and in the metrics: stringBytes, environmentBytes, ...
 inline constexpr std::array<std::string_view, kMemoryKindCount> kMemoryKindNames{
     "stringBytes", "environmentBytes", "frameBytes", "decodingBytes", "compilingBytes"};
 
@@ -86,7 +86,7 @@ class Accounts {
 
   [[nodiscard]] Account& server() { return server_; }
   [[nodiscard]] const Account& server() const { return server_; }
-  /// Of the token with that name. Empty: of all peers of a server without tokens, which is called `local`.
+  /// The account of the token with that name. Empty: the account `local` of all peers of a server without tokens.
   [[nodiscard]] Account& of(const std::string& token);
   [[nodiscard]] std::vector<const Account*> all() const;
 

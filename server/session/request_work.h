@@ -33,8 +33,8 @@ using TurnWork = std::function<protocol::Expected<std::string>(SimulationRunner&
 /// Has the work done in the simulation's next turn, and answers the request. For what costs little, and for saving.
 void doInTurn(const Request& request, std::shared_ptr<SimulationRunner> runner, TurnWork work);
 
-/// The same, unless an account may compute no more: that of the caller, who does not compute at the expense of another
-/// either, or that of the simulation.
+/// The same, unless the account of the caller or that of the simulation may compute no more. So a caller cannot compute
+/// at the expense of another.
 void computeInTurn(const Request& request, std::shared_ptr<SimulationRunner> runner, TurnWork work);
 
 /// The reason for that, or nothing.

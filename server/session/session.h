@@ -76,7 +76,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   // for the handlers (methods.h), on the thread of onRead()
   [[nodiscard]] const std::string& id() const { return id_; }
   [[nodiscard]] ServerCore& core() { return *core_; }
-  /// Of a peer that has said hello.
+  /// The roles of a peer that has said hello.
   [[nodiscard]] const protocol::Roles& roles() const { return grant_.roles; }
   /// The name of the peer's token. Empty: the server has no tokens.
   [[nodiscard]] std::string_view tokenName() const {

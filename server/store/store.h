@@ -75,7 +75,7 @@ class Store {
   [[nodiscard]] std::optional<std::string> saveModel(const std::string& model, std::string_view text);
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> models() const;
 
-  /// Of the database and its log on disk; 0: nothing is kept.
+  /// Bytes of the database and its log on disk; 0: nothing is kept.
   [[nodiscard]] std::uint64_t bytes() const;
   [[nodiscard]] Durability durability() const { return durability_; }
   /// How often the disk was asked to keep what was written; 0 with Durability::Process.

@@ -24,7 +24,7 @@ struct GeometryFrame {
   std::shared_ptr<const std::vector<std::string>> symbols;
   std::shared_ptr<const turtle::Geometry> geometry;
 
-  /// Of memory, about.
+  /// Bytes of memory, about.
   [[nodiscard]] std::uint64_t bytes() const;
 };
 

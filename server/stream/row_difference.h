@@ -121,7 +121,8 @@ class RowDifference {
     });
   }
 
-  /// Of rows with the same position and symbol only the first is known, so that a search takes a bounded time.
+  /// The table knows only the first of several rows with the same position and symbol, so that a search takes a bounded
+  /// time.
   void buildTable() {
     slots_.assign(std::bit_ceil(2 * base_.rows() + 2), kEmpty);
     for (std::size_t row = 0; row < base_.rows(); ++row) {

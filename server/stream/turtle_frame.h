@@ -25,7 +25,7 @@ struct TurtleFrame {
   static constexpr std::uint32_t kNoParent = 0xFFFFFFFF;
 
   [[nodiscard]] std::size_t rows() const { return plant.size(); }
-  /// Of memory.
+  /// Bytes of memory.
   [[nodiscard]] std::uint64_t bytes() const;
 };
 

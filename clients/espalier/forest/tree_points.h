@@ -24,7 +24,7 @@ struct TreePoint {
 struct TreePoints {
   std::vector<TreePoint> points;  // an even number
 
-  /// Of the highest point above the lowest; 0 without points.
+  /// How high the highest point lies above the lowest; 0 without points.
   [[nodiscard]] double height() const;
   /// The greatest distance of a point from the y axis.
   [[nodiscard]] double radius() const;

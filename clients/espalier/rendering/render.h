@@ -20,7 +20,7 @@ struct RenderOptions {
   double turn = 0.0;             // of the viewer about the plant, counter-clockwise seen from above
 };
 
-/// The view file's camera as it renders: who would look along the ground is raised above it, and turned.
+/// The view file's camera as it renders: a viewer who would look along the ground is raised above it and turned.
 [[nodiscard]] files::ViewSettings viewToRender(const files::ViewSettings& view, const RenderOptions& render);
 
 /// Draws copies of scenes in the light of sun and sky: soft shadows, light that leaves throw on others and let through,

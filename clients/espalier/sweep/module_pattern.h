@@ -23,7 +23,7 @@ struct ModulePattern {
   [[nodiscard]] std::vector<bool> typesOf(const language::Program& program) const;
   /// The sentence about a pattern that means no module of the program, with what the program has; empty: it means one.
   [[nodiscard]] std::string problemIn(const language::Program& program) const;
-  /// As it was written.
+  /// The pattern as it was written.
   [[nodiscard]] std::string text() const;
 };
 

@@ -76,7 +76,7 @@ struct Light {
                                             const std::vector<Band>& bands, const Light& light, int directions,
                                             int groundCells);
 
-/// The same of a box of voxels of side 1, by the process `light-voxels`.
+/// The same for a box of voxels of side 1, by the process `light-voxels`.
 [[nodiscard]] Fluxes voxelFluxes(const std::array<int, 3>& cells, const std::vector<double>& densities,
                                  const std::string& leafAngles, const Band& band, const Light& light);
 

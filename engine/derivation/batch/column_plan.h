@@ -26,7 +26,7 @@ struct ColumnOperand {
 
 /// One operation of an expression or a block. A batch does it for all lanes before the next operation.
 struct ColumnInstruction {
-  /// As in the Program. StoreStatic copies operand 0 to the target, in the lanes that reach it.
+  /// The operation of the Program. StoreStatic copies operand 0 to the target, in the lanes that reach it.
   language::Operation operation = language::Operation::Add;
   std::uint32_t function = 0;     // Call: a language::Function; LoadElement: the array
   std::uint16_t count = 0;        // operands

@@ -30,7 +30,7 @@ class ModelFiles {
   [[nodiscard]] Written write(double handle, std::string_view text);
 
   [[nodiscard]] bool canRead(double handle);
-  /// As scanNumbers, from a handle that can be read.
+  /// Does what scanNumbers does, with the file of a handle that can be read.
   [[nodiscard]] int scan(double handle, std::string_view format, std::span<double> numbers);
 
  private:

@@ -19,7 +19,7 @@ class BatchScan {
 
   /// Whether batches can do something for this string and gain more than their set-up costs.
   [[nodiscard]] bool isWorthwhile(const ModuleString& old) const;
-  /// As PlainScan::run.
+  /// Does what PlainScan::run does.
   void run(std::uint64_t end, ScanPlace& place);
 
  private:

@@ -19,7 +19,7 @@ class Homomorphism {
   [[nodiscard]] bool hasProductions() const { return hasProductions_; }
   /// Prepares expand for the string of `state`. After ScanContext::attach.
   void begin(const PlantState& state);
-  /// As Derivation::expand.
+  /// Does what Derivation::expand says.
   std::uint64_t expand(PlantState& state, std::uint32_t instance, std::uint64_t module, std::uint64_t parameterOffset,
                        ModuleString& image);
 

@@ -17,7 +17,7 @@ namespace espalier::derivation {
 class NumberTexts {
  public:
   explicit NumberTexts(core::NumberStyle style) : style_(style) {}
-  /// As core::writeNumber.
+  /// Does what core::writeNumber does.
   [[nodiscard]] char* write(char* out, double value);
 
  private:

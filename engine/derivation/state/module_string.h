@@ -45,7 +45,7 @@ class ModuleString {
   /// The same string in the same memory, without a copy (core::Buffer::share). The two belong to different threads if
   /// their owners wish. The one that is written first goes on in memory of its own.
   [[nodiscard]] ModuleString share() { return {types_.share(), parameters_.share()}; }
-  /// The same of a string that came from share(). Several threads may call it.
+  /// The same for a string that came from share(). Several threads may call it.
   [[nodiscard]] ModuleString share() const { return {types_.share(), parameters_.share()}; }
 
   ModuleString() = default;

@@ -38,7 +38,8 @@ class StepChanges {
   /// Compares two strings of one Program from both ends. `arity`: by module type. O(bytes) of what is equal.
   [[nodiscard]] static StepChanges between(const ModuleString& older, const ModuleString& newer,
                                            std::span<const std::uint16_t> arity);
-  /// Parameters of these modules (rising, repeats allowed) may have changed, or of the modules behind each of them.
+  /// In a string of so many modules, parameters of these (rising, repeats allowed) or of the module behind each of them
+  /// may have changed.
   [[nodiscard]] static StepChanges ofParameters(std::span<const std::uint64_t> modules, std::uint64_t moduleCount);
 
   /// These modules are as they were. They come behind those of the calls before, in both strings.

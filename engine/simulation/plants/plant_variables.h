@@ -23,7 +23,7 @@ struct PlantVariables {
 
 /// The same state with the same string in the same memory (derivation::ModuleString::share).
 [[nodiscard]] derivation::PlantState sharedState(derivation::PlantState& state);
-/// The same of a state that came from sharedState. Several threads may call it.
+/// The same for a state that came from sharedState. Several threads may call it.
 [[nodiscard]] derivation::PlantState sharedState(const derivation::PlantState& state);
 
 }  // namespace espalier::simulation

@@ -40,7 +40,7 @@ class Population {
   [[nodiscard]] const std::vector<derivation::PlantState>& states() const { return states_; }
   void setStates(std::vector<derivation::PlantState> states) { states_ = std::move(states); }
 
-  /// Of a living plant.
+  /// The Derivation of a living plant.
   [[nodiscard]] derivation::Derivation& derivation(std::size_t plant) const { return *derivations_[plant]; }
 
   /// The factory has another seed: the next rewinds draw from it.
@@ -55,7 +55,7 @@ class Population {
   /// A plant that ends keeps its number and its counters.
   void end(std::size_t plant, std::uint64_t deathStep);
 
-  /// Of all strings together.
+  /// The sizes of all strings together.
   struct Totals {
     std::uint64_t modules = 0;
     std::uint64_t parameters = 0;

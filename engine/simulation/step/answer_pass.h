@@ -37,12 +37,12 @@ class AnswerPass {
 
   /// Throws SimulationFailure; the transaction then takes back what was written.
   void run(std::uint64_t completedSteps);
-  /// Of memory that the pass keeps for the next one.
+  /// Bytes of memory that the pass keeps for the next one.
   [[nodiscard]] std::uint64_t bytes() const;
 
  private:
   void interpret();
-  /// Whether it would pay to know what will have changed until the next pass.
+  /// Whether the next pass would be faster if it knew what has changed since this one.
   [[nodiscard]] bool wantsChanges() const;
   void consultEnvironment();
   void tickEnvironment();
@@ -56,7 +56,7 @@ class AnswerPass {
   [[nodiscard]] bool hasSettled(const std::vector<double>& sent, const turtle::ReplyBatch& replies) const;
   void warnUnsettled() const;
   [[nodiscard]] bool isCompatible() const { return parts_.models.compatibility() != core::Compatibility::Espalier; }
-  /// As the string holds it: in the compatible modes a 32-bit float.
+  /// The value as the string holds it: in the compatible modes a 32-bit float.
   [[nodiscard]] double stored(double value) const {
     return isCompatible() ? static_cast<double>(static_cast<float>(value)) : value;
   }

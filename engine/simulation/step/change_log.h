@@ -10,8 +10,8 @@
 
 namespace espalier::simulation {
 
-/// Who wants to know what happened to the strings since it looked at them: the views of a simulation, the pass that
-/// puts the queries.
+/// The readers that ask what has happened to the strings since they last looked: the views of a simulation, and the
+/// pass that puts the queries.
 enum class ChangeReader : std::uint8_t { Views, Queries };
 
 /// Joins what happens to the strings of plants between two looks of a reader at them: answers, steps, edits, restores.

@@ -28,9 +28,9 @@ class ProductionLog {
   /// the step.
   void goTo(std::uint64_t step);
 
-  /// Of memory, about.
+  /// Bytes of memory, about.
   [[nodiscard]] std::uint64_t bytes() const;
-  /// At the step where the run is. Null: not followed.
+  /// The counts at the step where the run is. Null: not followed.
   [[nodiscard]] std::shared_ptr<const ProductionUses> uses() const { return isFollowed_ ? present_ : nullptr; }
 
  private:

@@ -163,7 +163,7 @@ class Interpretation {
   }
   [[noreturn]] void failPosition() const;
   void checkCount(std::size_t count) const;
-  /// Of an organ about to be drawn: the turtle's directions and the organ's size must be finite.
+  /// Checks an organ before it is drawn: the turtle's directions and the organ's size must be finite.
   void checkOrgan(const core::Vec3& size) const;
   [[nodiscard]] bool isCompatible() const { return program_.compatibility != core::Compatibility::Espalier; }
   [[nodiscard]] char characterOf(core::ModuleTypeId type) const {

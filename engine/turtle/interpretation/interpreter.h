@@ -73,17 +73,19 @@ class Interpreter {
 
   /// Whether takeOver may be used: the Program is repeatable (record_chain.h) and has no homomorphism.
   [[nodiscard]] bool mayTakeOver() const { return mayTakeOver_; }
-  /// interpret() as an environment pass, which takes over what `changes`, since the pass before over this plant, left
-  /// alone. `known` is of that pass, and then of this one. `output` has `queries`, and nothing that is drawn.
+  /// The same as interpret() in an environment pass, but it does not interpret what is known already. `changes` says
+  /// what happened to the string since the previous pass over this plant; the unchanged parts are taken over. `known`
+  /// belongs to the previous pass before the call, and to this one after it. `output` has `queries`, and nothing that
+  /// is drawn.
   void takeOver(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
                 const PlantPlacement& placement, const InterpretationOutput& output,
                 const derivation::StepChanges& changes, QueryStretches& known);
 
-  /// Appends the next plant's records to `chain` (record_chain.h), bit for bit those that interpret() makes. Stretches
-  /// of `base` (null: nothing is known), which must have the plant with the same Program and placement, are taken where
-  /// `changes` (from the base's string to this one) kept their modules and the turtle is the same before them. The rest
-  /// is interpreted. `rename` is called with the records of each stretch that was. The Program must be repeatable.
-  /// O(groups of stretches) and O(modules) of what is new.
+  /// Appends the next plant's records to `chain` (record_chain.h), bit for bit those that interpret() makes. It takes a
+  /// stretch of `base` (null: nothing is known) when `changes`, from the base's string to this one, kept its modules
+  /// and the turtle before it is the same. It interprets the rest, and calls `rename` with the records of each stretch
+  /// that it interpreted. `base` must have the plant with the same Program and placement. The Program must be
+  /// repeatable. O(groups of stretches) and O(modules) of what is new.
   void appendRecords(derivation::Derivation& derivation, derivation::PlantState& state, std::uint32_t plant,
                      const PlantPlacement& placement, const RecordChain* base, const derivation::StepChanges& changes,
                      const std::function<void(std::span<TurtleRecord>)>& rename, RecordChain& chain);

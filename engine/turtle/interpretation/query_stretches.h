@@ -31,7 +31,7 @@ class QueryStretches {
   }
   /// False: the pass was too much to remember (many queries or brackets), and the next one interprets the rest again.
   [[nodiscard]] bool isWhole() const { return isWhole_; }
-  /// Of memory: at most 32 for each module of the string.
+  /// Bytes of memory: at most 32 for each module of the string.
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
 
  private:

@@ -25,7 +25,7 @@ struct TurtlePassage {
   /// are left of the string. Bits are compared; of records only whether there is one.
   [[nodiscard]] bool isSameFor(const TurtleState& turtle, std::span<const TurtleState> openBranches,
                                std::uint64_t modulesLeft) const;
-  /// Of `closed`, whether those from `first` on are the innermost of these open branches.
+  /// Whether the branches of `closed` from `first` on are the innermost of these open branches.
   [[nodiscard]] bool closesSame(std::size_t first, std::span<const TurtleState> openBranches) const;
 };
 

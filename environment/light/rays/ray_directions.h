@@ -11,8 +11,8 @@ namespace espalier::environment {
 
 /// The directions in which triangles look: Fibonacci lattices over the whole sphere, which are the same in every step.
 /// There are lattices of `count` directions, of half as many, a quarter and so on down to kLeast (thinning 0, 1, 2 …).
-/// Of every size there are several, which together are a lattice too, so that triangles of one leaf, each with few
-/// directions, together look in many.
+/// There are several lattices of every size, which together are a lattice too. So the triangles of one leaf, each with
+/// few directions, together look in many.
 class RayDirections {
  public:
   static constexpr int kLeast = 16;

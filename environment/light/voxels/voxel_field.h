@@ -44,7 +44,7 @@ class VoxelField {
   /// Index into values(); nothing outside the box.
   [[nodiscard]] std::optional<std::size_t> indexOf(const Voxel& voxel) const;
 
-  /// The same of the voxel so many voxels aside and above, beyond the border of a periodic box too.
+  /// The index of the voxel that lies so many voxels beside and above this one. A periodic box goes on at its border.
   [[nodiscard]] std::optional<std::size_t> indexBeside(const Voxel& voxel, std::int64_t a, std::int64_t b,
                                                        std::int64_t layers) const;
 

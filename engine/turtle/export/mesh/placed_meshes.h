@@ -43,7 +43,7 @@ class PlacedMeshes {
   [[nodiscard]] std::size_t sceneCount() const { return scenes_.size(); }
   [[nodiscard]] const SceneMeshes& scene(std::size_t index) const { return scenes_[index]; }
   [[nodiscard]] std::span<const SceneCopy> copies() const { return copies_; }
-  /// Of all copies.
+  /// The number of parts of all copies.
   [[nodiscard]] std::size_t partCount() const { return firstParts_.back(); }
 
   /// One part of one copy.

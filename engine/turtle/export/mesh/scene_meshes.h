@@ -67,10 +67,10 @@ class SceneMeshes {
   [[nodiscard]] std::uint32_t sharedMeshOf(const MeshPart& part) const;
   /// `surface l`, `sphere` or `disc`.
   [[nodiscard]] std::string sharedMeshName(std::uint32_t index) const;
-  /// Of a part with a shared mesh.
+  /// The place of a part with a shared mesh.
   [[nodiscard]] OrganPlacement placementOf(const MeshPart& part) const;
 
-  /// Of a part that is not a branch; of a branch that of its first segment.
+  /// The module that drew a part. A branch has that of its first segment.
   [[nodiscard]] Provenance provenanceOf(const MeshPart& part) const;
   [[nodiscard]] Provenance provenanceOfSegment(std::uint32_t segment) const;
 
