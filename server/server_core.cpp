@@ -121,7 +121,7 @@ void ServerCore::loadOne(const Store::Entry& entry) {
   information.simulation = entry.id;
   information.step = entry.step;
   information.isSaved = true;
-  // what the operator permits no longer stays refused, whoever stored it
+  // a stored environment that the operator no longer permits is refused, also to the client that stored it
   protocol::ErrorCode code = protocol::ErrorCode::Storage;
   auto record = toRecord(entry.id, entry.record);
   if (auto* known = std::get_if<SimulationRecord>(&record)) {

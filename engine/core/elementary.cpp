@@ -109,7 +109,7 @@ double upperAngle(double y, double x) {
   return angleOf(y, x, isLeft);
 }
 
-/// The root of x^2 + y^2 for x >= y > 0 with moderate exponents, with what the root squared is too much taken off.
+/// The root of x^2 + y^2 for x >= y > 0 with moderate exponents. The error of the rounded root's square is taken off.
 double correctedRoot(double x, double y) {
   const double root = std::sqrt(x * x + y * y);
   double excess = 0.0;

@@ -65,7 +65,7 @@ tl::expected<Grant, std::string> Access::grant(std::string_view token, const std
 
 std::optional<std::string> Access::problemOf(const Grant& grant) const {
   if (grant.token == nullptr) {
-    // an operator who adds tokens to an open server means its present users, too
+    // tokens that an operator adds to an open server hold for its present users, too
     return hasTokens() ? std::optional<std::string>("The server asks for a token now. Connect again with one.")
                        : std::nullopt;
   }

@@ -172,8 +172,8 @@ class Network::Implementation {
     }
   }
 
-  /// Sessions whose tokens hold no longer end, also when their peers only watch. Not a timer for each: the wall clock
-  /// may jump.
+  /// Ends sessions whose tokens no longer hold, also when their peers only watch. There is no timer for each token,
+  /// because the wall clock may jump.
   void sweep() {
     sweep_.expires_after(kSweep);
     sweep_.async_wait([this](const error_code& error) {

@@ -212,7 +212,7 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
   }
   auto outcome = call("environment.step", *body, options_.stepTimeout);
   if (!outcome && isMinimal_ && outcome.error().kind == LinkFailure::Kind::Refused) {
-    // who was silent and answers now was only slow to start: it can be described and opened after all
+    // a peer that was silent and answers now was only slow to start: it can be described and opened after all
     introducedGeneration_ = 0;
     openedGeneration_ = 0;
     if (auto error = makeReady(queries.step)) {

@@ -18,7 +18,7 @@ using protocol::ErrorCode;
 /// What a handler gets: the column NEEDS of methods.def.
 enum class Needs : std::uint8_t { Nothing, Simulation };
 
-/// The log says who changed what. Single steps are too many for it, and reading changes nothing.
+/// The log names each change and the session that asked for it, but no single steps and nothing that only reads.
 void noteDeed(Session& session, const std::string& method, std::string_view simulation, protocol::Role role) {
   const LogSubject subject{.session = session.id(), .simulation = simulation, .token = session.tokenName()};
   const bool isChange = role == protocol::Role::Controller || role == protocol::Role::Environment;

@@ -213,7 +213,7 @@ void BatchRewriter::collectSites() {
 }
 
 void BatchRewriter::dropPairs() {
-  // local pointers: to the compiler every write of a byte may change a member, which it then reads again
+  // local pointers: the compiler would read members again after each write of a byte, which may have changed them
   const ModuleTypeId* const types = step_.old.types + first_;
   const std::uint8_t* const leftBits = plan_->leftBits();
   const std::uint8_t* const rightBits = plan_->rightBits();
@@ -277,7 +277,7 @@ void BatchRewriter::dropCutParts() {
 }
 
 void BatchRewriter::sortSites() {
-  // local pointers: to the compiler every write may change a member, which it then reads again
+  // local pointers: the compiler would read members again after each write, which may have changed them
   const ModuleTypeId* const types = step_.old.types + first_;
   const std::uint32_t* const siteModule = siteModule_.data();
   const std::uint32_t* const groupOf = groupOf_.data();

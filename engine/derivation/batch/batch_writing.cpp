@@ -83,7 +83,7 @@ void BatchRewriter::writeBlocks(ModuleTypeId* types, double* parameters) const {
   const std::uint64_t readableParameters = step_.old.parameterCount - offset_;
   const std::uint64_t made = madeModules_;
   const std::uint64_t madeParameters = madeParameters_;
-  // local pointers: to the compiler every write may change a member, which it then reads again
+  // local pointers: the compiler would read members again after each write, which may have changed them
   const std::uint32_t* const siteModule = siteModule_.data();
   const std::uint32_t* const siteOffset = siteOffset_.data();
   const std::uint32_t* const siteBlock = siteBlock_.data();

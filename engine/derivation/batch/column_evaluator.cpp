@@ -366,7 +366,7 @@ double ColumnEvaluator::power(double x, double y) {
 }
 
 void ColumnEvaluator::raise(double* target, const ColumnValue& a, const ColumnValue& b) {
-  // local pointers: to the compiler every write may change a member, which it then reads again
+  // local pointers: the compiler would read members again after each write, which may have changed them
   Power* const powers = powers_.data();
   const std::size_t count = lanes_.count;
   if (mask_ == nullptr && a.values != nullptr && b.values == nullptr) {

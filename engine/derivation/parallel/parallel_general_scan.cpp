@@ -50,7 +50,7 @@ class ParallelGeneralScan::Helper {
     context_.read(*owner.old, owner.index, nullptr);
   }
 
-  /// Is silent about what `owner` has reported, and only about that.
+  /// Gives no warning that `owner` has given already, and every other one.
   void adoptWarnings(const ScanContext& owner) {
     context_.evaluator.adoptWarnings(owner.evaluator);
     context_.rewriter.adoptWarnings(owner.rewriter);
@@ -77,7 +77,7 @@ class ParallelGeneralScan::Helper {
 
   [[nodiscard]] const ModuleString& made() const { return context_.output; }
   [[nodiscard]] const CutParts& cuts() const { return context_.cuts; }
-  /// What made() has of the old string; nothing when it is not wanted.
+  /// The parts of the old string that made() holds unchanged; empty when nobody wants them.
   [[nodiscard]] const StepChanges& changes() const { return changes_; }
 
  private:
@@ -131,7 +131,7 @@ ScanPlace ParallelGeneralScan::chunkStart(std::uint64_t chunk) const {
   if (chunk == 0) {
     return place;
   }
-  // not where a predecessor may have begun before, if there is such a place near by
+  // begin where no predecessor can reach over, if there is such a place near by
   const std::uint64_t last = std::min<std::uint64_t>(place.module + chunks_.chunkModules() / 2, types.size());
   while (place.module < last && isInside[types[place.module]] != 0) {
     place.offset += context_->program.arity[types[place.module]];

@@ -15,7 +15,7 @@ ModuleRewriter::Outcome ModuleRewriter::rewriteSilently(const SystemTables& tabl
   const language::LSystem& system = *tables.system;
   context.evaluator.setModule(module, type);
 
-  // what decomposition makes of a predecessor's successor looks behind the predecessor
+  // the right context of decomposition in a successor begins behind the whole predecessor
   const auto consume = [&](const language::Production& production) {
     const Outcome outcome{production.predecessor.size(), context.rewriter.parameterCount(production), Fate::Rewritten};
     surroundings.right = module + outcome.modules;

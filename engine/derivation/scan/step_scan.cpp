@@ -32,15 +32,18 @@ StepScan::~StepScan() = default;
 StepScan::Kind StepScan::chooseKind(const ModuleString& old) const {
   const SystemTables& tables = context_->tables.front();
   const DerivationOptions& options = context_->options;
+  // what the model needs comes first
   if (context_->program.hasSubSystems) {
     return Kind::SubSystems;
   }
   if (tables.isProducedBackwards) {
     return Kind::Backward;
   }
+  // a caller that wants to know every application gets the way without shortcuts
   if (context_->record != nullptr || context_->isCounted) {
     return Kind::General;
   }
+  // a long string by several threads, where the result does not depend on their order
   if (threadCount_ > 1 && old.size() >= options.threadedModules) {
     // the draws of the compatible modes are one sequence: a thread that goes ahead would take those of another
     const bool drawsInSequence =
@@ -52,6 +55,7 @@ StepScan::Kind StepScan::chooseKind(const ModuleString& old) const {
       return Kind::ParallelGeneral;
     }
   }
+  // else by one thread: a chunk of modules at a time where that gains, or module by module
   return batch_.isWorthwhile(old) ? Kind::Batch : Kind::Plain;
 }
 

@@ -128,7 +128,7 @@ void ModuleFinder::findOne(const core::ModuleTypeId* types, std::uint32_t module
 
 void ModuleFinder::findAll(const core::ModuleTypeId* types, std::uint32_t begin, std::uint32_t end,
                            const Target& target, Count& count) const {
-  // local pointers: to the compiler every write may change a member, which it then reads again
+  // local pointers: the compiler would read members again after each write, which may have changed them
   const Target to = target;
   const std::uint16_t* arity = arity_.data();
   const std::uint8_t* own = marks_.own.data();

@@ -16,7 +16,7 @@ namespace {
 /// Least bytes of a record of each point format.
 constexpr std::array<std::size_t, 11> kRecordBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 constexpr std::uint8_t kFirstLongFormat = 6;  // formats with four bits for the number of returns
-// keys of a GeoTIFF directory, and values of theirs
+// keys of a GeoTIFF directory, and their values
 constexpr std::uint64_t kModelType = 1024;
 constexpr unsigned kGeographic = 2;
 constexpr std::uint64_t kProjectedSystem = 3072;

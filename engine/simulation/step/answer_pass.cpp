@@ -33,12 +33,15 @@ void AnswerPass::run(std::uint64_t completedSteps) {
   parts_.statistics.iterations = 0;
   queries_.clear();
   parts_.births.clear();
+  // the turtle goes through the strings, fills its query modules and collects the communication modules
   if (parts_.models.hasQueries()) {
     interpret();
   }
+  // the environment answers them all at once; its replies go into the strings
   if (parts_.environment.exists()) {
     consultEnvironment();
   }
+  // the simulation itself answers those that ask about seeds
   parts_.statistics.answers += parts_.births.writeReplies(parts_.population.states(), parts_.transaction);
 }
 
@@ -46,8 +49,10 @@ void AnswerPass::interpret() {
   queryOffsets_.clear();
   parts_.births.clear();
   Population& population = parts_.population;
+  // seeds need the turtle's position, whatever the environment needs
   turtle::EnvironmentNeeds needs = parts_.environment.description().needs;
   needs.position = needs.position || parts_.models.hasLifeQueries();
+  // what has changed in each string since the last pass
   const bool wasKnown = parts_.changes.isKnown(ChangeReader::Queries);
   parts_.changes.follow(ChangeReader::Queries, wantsChanges());
   const auto changes = parts_.changes.take(ChangeReader::Queries, population.states());
@@ -59,6 +64,7 @@ void AnswerPass::interpret() {
     if (!population.member(plant).isAlive() || !population.program(plant).hasQueries) {
       continue;
     }
+    // the turtle writes into the string and runs blocks: own the memory, and remember what to take back
     derivation::PlantState& state = population.states()[plant];
     population.derivation(plant).ownParameters(state);
     parts_.transaction.rememberVariables(plant, state);
@@ -71,6 +77,7 @@ void AnswerPass::interpret() {
     turtle::Interpreter& interpreter = population.interpreter(plant);
     const auto number = static_cast<std::uint32_t>(plant);
     const std::uint64_t keptHere = keptModules(changes[plant]);
+    // take over the queries of stretches that did not change, or interpret the whole string
     if (interpreter.mayTakeOver() && keptHere > state.string.size() / 2) {
       interpreter.takeOver(population.derivation(plant), state, number, origin.placement, output, changes[plant],
                            stretches_[plant]);
@@ -82,12 +89,14 @@ void AnswerPass::interpret() {
     kept += stretches_[plant].isWhole() ? keptHere : 0;
     parts_.models.toCommonSymbols(origin.model, firstQuery, queries_);
   }
+  // a model that changes much is interpreted whole for some steps
   if (wasKnown && kept * 2 < modules) {
     rest_ = kRest;
   } else if (rest_ > 0) {
     --rest_;
   }
   parts_.statistics.queries = queries_.size();
+  // the simulation keeps the queries about seeds and deaths for itself
   if (parts_.models.hasLifeQueries()) {
     parts_.births.takeQueries(parts_.models, population, parts_.options, parts_.derivations.seed(), completedSteps_,
                               queries_, queryOffsets_);

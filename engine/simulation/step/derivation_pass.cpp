@@ -18,6 +18,7 @@ void DerivationPass::run(const std::vector<std::size_t>& plants, bool isKept, bo
   if (productions_->isFollowed()) {
     productions_->begin(population_->states().size());
   }
+  // small plants by several threads, or one plant after the other
   if (isWorthThreads(plants)) {
     deriveSideBySide(plants);
   } else {
