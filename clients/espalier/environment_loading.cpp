@@ -220,6 +220,10 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
   }
   auto parsed = environment::parseEnvironmentEntries(*json);
   if (!parsed) {
+    for (core::Diagnostic& error : parsed.error()) {
+      // a place in the text is a place in this file
+      error.location.file = error.location.file.empty() ? std::string{} : file;
+    }
     return orPrintErrors(tl::unexpected(std::move(parsed.error())), file);
   }
   std::vector<environment::EnvironmentEntry>& entries = *parsed;

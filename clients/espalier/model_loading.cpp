@@ -334,9 +334,10 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
       ->check([](const std::string& text) {
         return text.empty() || text.front() == '=' ? std::string("expected NAME=VALUE") : std::string{};
       });
-  command.add_flag("--allow-folder-programs", options.remote.allowsFolderPrograms,
-                   "The environment of a folder, forest or plan, and any environment file (.e), may start the programs\n"
-                   "and plug-ins that it names: for folders that you trust. Without it only built-in environments answer");
+  command.add_flag(
+      "--allow-folder-programs", options.remote.allowsFolderPrograms,
+      "The environment of a folder, forest or plan, and any environment file (.e), may start the programs\n"
+      "and plug-ins that it names: for folders that you trust. Without it only built-in environments answer");
   command.add_flag("--strict", options.remote.isStrict,
                    "A warning about a file of the model or the environment is an error");
   command.add_option("--limit", options.limits, limitHelp())
@@ -398,8 +399,9 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
       ->type_name("TIME")
       ->check([](const std::string& text) {
         const auto days = protocol::daysOfDuration(text);
-        return days && *days > 0.0 ? std::string{}
-                                   : std::string("expected a time above 0 such as \"1 h\" or \"0.25 d\"");
+        return days && *days > 0.0
+                   ? std::string{}
+                   : "'" + text + "' is not a time: give one above 0, such as \"1 h\", \"0.25 d\" or \"30 min\"";
       });
   command
       .add_option("--threads", options.threads,

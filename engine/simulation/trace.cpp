@@ -136,7 +136,7 @@ std::optional<std::string> TraceReader::takeHead() {
   }
   ByteReader head(piece_);
   if (head.raw(kTraceMagic.size()) != kTraceMagic) {
-    return "this is not a trace: it does not begin with " + std::string(kTraceMagic) + ".";
+    return "this is not a trace: it does not begin with " + std::string(kTraceMagic) + ". --trace FILE records one.";
   }
   const std::uint32_t version = head.number32();
   if (head.hasFailed() || version == 0 || version > kTraceVersion) {

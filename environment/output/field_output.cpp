@@ -253,7 +253,8 @@ tl::expected<std::vector<Field>, std::string> readVti(std::string_view text) {
   const auto image = file ? findElement(text, "ImageData", file->end) : std::nullopt;
   const auto cells = image ? findElement(text, "CellData", image->end) : std::nullopt;
   if (!cells) {
-    return tl::unexpected(std::string("is no VTK image data file with cell data"));
+    return tl::unexpected(
+        std::string("is no VTK image data file (.vti) with cell data. Export the quantity as such a file"));
   }
   const auto packing = packingOf(*file, text, cells->end);
   if (!packing) {

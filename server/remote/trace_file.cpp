@@ -107,7 +107,8 @@ struct TraceFileSource::Decompressor {
 tl::expected<std::unique_ptr<TraceFileSource>, std::string> TraceFileSource::open(const std::string& name) {
   std::FILE* const file = std::fopen(name.c_str(), "rb");
   if (file == nullptr) {
-    return tl::unexpected("cannot read the trace '" + name + "': " + std::strerror(errno) + ".");
+    return tl::unexpected("cannot read the trace '" + name + "': " + std::strerror(errno) +
+                          ". Check the name and the working folder.");
   }
   std::unique_ptr<TraceFileSource> source(new TraceFileSource(name, file));
   if (auto problem = source->fillFromFile(source->piece_)) {

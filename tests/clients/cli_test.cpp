@@ -57,7 +57,8 @@ TEST_F(Cli, FilesBesideTheModelAreUsedUnlessOptionsSayOtherwise) {
 }
 
 TEST_F(Cli, ANameThatIsNothingHereIsThatOfAGalleryModel) {
-  EXPECT_EQ(run("derive classic-dragon --steps 1").output, run("derive '" + sourceFolder() + "/clients/gallery/classic-dragon' --steps 1").output);
+  EXPECT_EQ(run("derive classic-dragon --steps 1").output,
+            run("derive '" + sourceFolder() + "/clients/gallery/classic-dragon' --steps 1").output);
   folder_.write("classic-dragon", kAlgae);
   EXPECT_EQ(run("derive classic-dragon").output, "ABAAB\n");
   const ProgramRun unknown = run("derive classic-dragoon");
@@ -116,6 +117,8 @@ TEST_F(Cli, LimitsAreOptionsAndErrorsNameThem) {
   EXPECT_TRUE(contains(unknown.errors, "there is no limit 'modulse'. Did you mean 'modules'?")) << unknown.errors;
   EXPECT_TRUE(contains(run("derive grow.l --limit sessions=5").errors,
                        "the limit sessions is a limit of servers, not of a run"));
+  EXPECT_TRUE(contains(run("derive grow.l --step-duration '3 parsec'").errors,
+                       "--step-duration: '3 parsec' is not a time: give one above 0, such as \"1 h\", \"0.25 d\" or "));
 }
 
 TEST_F(Cli, AWarningOfARunIsMarkedOnce) {
@@ -215,6 +218,7 @@ TEST_F(Cli, MissingFilesSayWhatToDo) {
   };
   EXPECT_EQ(error("derive nosuch.l"),
             "error: there is no file 'nosuch.l': give the name of an L-system file (.l) or of its folder\n");
+  EXPECT_EQ(error("derive lilax"), "error: there is no file 'lilax'. Did you mean the model 'lilac' of the gallery?\n");
   EXPECT_EQ(error("derive many"),
             "error: the folder 'many' holds more than one L-system file (a.l, b.l): give the name of one\n");
   EXPECT_EQ(error("derive none"),

@@ -140,7 +140,8 @@ TEST_F(Folder, SeveralCommandsAreOfferedAndChosen) {
             "error: the folder 'plant' has no object 'root': give one of 1 'plant / whole' (p.l), 2 'plant / leaf' "
             "(leaf.l)\n");
   EXPECT_EQ(error("derive plant/p.l --object leaf"),
-            "error: --object chooses one of the commands in a folder's specifications, and 'plant/p.l' has none: leave "
+            "error: --object chooses one of the models that the specifications of a folder list, and 'plant/p.l' has "
+            "none: leave "
             "out --object\n");
 }
 

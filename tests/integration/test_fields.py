@@ -110,13 +110,13 @@ class Fields(unittest.TestCase):
                       self.grow("--field", f"sugar={self.folder / 'x.png'}", status=1))
         self.assertIn("'waterContent' reaches from -0.025 to 0.025 along z: choose a slice there",
                       self.grow("--field", f"waterContent@z:3={self.folder / 'x.png'}", status=1))
-        self.assertIn("the environment holds no quantity in space",
+        self.assertIn("the environment holds no quantity in space: choose one that does, such as soil-water",
                       espalier("run", model("branch-tiers"), "--steps", "1", "-o", str(self.folder / "a.svg"), "--field",
                                str(self.folder / "x.vti"), status=1).stderr)
         self.assertIn("there is no file 'nowhere.vti'", espalier("field", "nowhere.vti", status=1).stderr)
         broken = self.folder / "broken.vti"
         broken.write_text("<VTKFile>", encoding="utf-8")
-        self.assertIn("broken.vti: the file is no VTK image data file with cell data",
+        self.assertIn("broken.vti: the file is no VTK image data file (.vti) with cell data. Export",
                       espalier("field", str(broken), status=1).stderr)
         lonely = self.folder / "lonely.raw"
         lonely.write_bytes(b"")

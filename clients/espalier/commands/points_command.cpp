@@ -192,8 +192,8 @@ void addPoints(CLI::App& program, int& status) {
   auto options = std::make_shared<PointsOptions>();
   command->add_option("FILE", options->file, "A LAS file (1.2 to 1.4) or a PLY file")->required();
   options->outputs.addTo(*command);
-  addPositiveNumber(*command, "--cell-size", "Edge of the cells, a length after --scale", "a length",
-                    [options](double size) { options->cellSize = size; });
+  addPositiveNumber(*command, "--cell-size", "Edge of a cell, in the unit that the lengths have after --scale",
+                    "a length", [options](double size) { options->cellSize = size; });
   command->add_option("--origin", options->origin, "The point of the file that comes to the origin")
       ->type_name("X,Y,Z")
       ->delimiter(',')

@@ -289,10 +289,9 @@ void addServe(CLI::App& program, int& status) {
   command->add_flag(
       "--until-input-ends", options->endsWithInput,
       "End the server when its standard input ends, so that it never outlives the program that started it");
-  command->add_option(
-      "--config", options->configuration,
-      "TOML file with these options without dashes and the sections [limits], [spawn] and [tokens]; the command "
-      "line wins");
+  command->add_option("--config", options->configuration,
+                      "TOML file with these options without dashes and the sections [limits], [store], [spawn] and "
+                      "[tokens]; the command line wins");
   command->add_flag("--print-config", options->isConfigurationPrinted,
                     "Print the effective options and limits as a configuration file, and exit");
   command->callback([options, command, &status] { status = runServe(*command, *options); });

@@ -17,6 +17,9 @@
 namespace espalier::command {
 namespace {
 
+constexpr const char* kNoField =
+    ": the environment holds no quantity in space: choose one that does, such as soil-water or light-voxels";
+
 using turtle::Field;
 
 std::string numberText(double value) {
@@ -117,7 +120,7 @@ bool FieldOutputs::writeFile(const Output& output, const std::vector<Field>& fie
   }
   if (chosen.empty()) {
     printError(fields.empty()
-                   ? "--field " + file + ": the environment holds no quantity in space"
+                   ? "--field " + file + kNoField
                    : "--field " + file + ": there is no field '" + output.name + "'. There are: " + listOf(fields));
     return false;
   }
@@ -156,8 +159,7 @@ void FieldOutputs::addRows(Output& output, const std::vector<Field>& fields, std
 bool FieldOutputs::writeTable(const Output& output, const std::vector<Field>& fields, bool isQuiet) const {
   if (output.rows.empty()) {
     printError("--field " + output.file +
-               (fields.empty() ? ": the environment holds no quantity in space"
-                               : ": there is no field '" + output.name + "'. There are: " + listOf(fields)));
+               (fields.empty() ? kNoField : ": there is no field '" + output.name + "'. There are: " + listOf(fields)));
     return false;
   }
   const std::string header = "step,field,unit,minimum,mean,maximum,integral\n";

@@ -5,9 +5,12 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include "engine/core/diagnostic.h"
 #include "engine/language/dialects/dialect.h"
 #include "server/remote/disk_files.h"
+#include "server/remote/models/gallery.h"
 
 namespace espalier::server {
 namespace {
@@ -23,6 +26,19 @@ std::string nameOf(const std::string& file) {
 
 tl::unexpected<std::string> refused(std::string sentence) {
   return tl::unexpected<std::string>(std::move(sentence));
+}
+
+std::string noSuchFile(const std::string& path) {
+  const std::string sentence = "there is no file '" + path + "'";
+  // a name without folder and suffix may be the misspelt name of a gallery model
+  if (path.find_first_of("/.") == std::string::npos) {
+    const std::vector<std::string> names = galleryNames(galleryOfProgram());
+    const std::string_view near = core::nearestName(path, {names.begin(), names.end()});
+    if (!near.empty()) {
+      return sentence + ". Did you mean the model '" + std::string(near) + "' of the gallery?";
+    }
+  }
+  return sentence + ": give the name of an L-system file (.l) or of its folder";
 }
 
 // the files among which those of a model are looked for
@@ -279,14 +295,14 @@ FoundModel findModelFiles(const std::string& path, const std::string& object) {
   }
   const bool isFolder = fs::is_directory(path, error);
   if (!isFolder && !fs::exists(path, error)) {
-    return refused("there is no file '" + path + "': give the name of an L-system file (.l) or of its folder");
+    return refused(noSuchFile(path));
   }
   const Place place(isFolder ? fs::path(path) : fs::path(path).parent_path(), provider);
   if (isFolder && place.has(fs::path(path) / kSpecificationsFile)) {
     return commandOf(place, object);
   }
   if (!object.empty()) {
-    return refused("--object chooses one of the commands in a folder's specifications, and '" + path +
+    return refused("--object chooses one of the models that the specifications of a folder list, and '" + path +
                    "' has none: leave out --object");
   }
   return isFolder ? onlyModelOf(place) : besideFile(place, path);

@@ -218,8 +218,9 @@ TEST(Trace, RubbishIsRefusedWithItsPlace) {
     return problem == nullptr ? std::string("(none)") : *problem;
   };
   const std::string trace = recorded();
-  EXPECT_EQ(problemOf(""), "this is not a trace: it does not begin with ESPTRACE.");
-  EXPECT_EQ(problemOf("ESPALIER1234"), "this is not a trace: it does not begin with ESPTRACE.");
+  EXPECT_EQ(problemOf(""), "this is not a trace: it does not begin with ESPTRACE. --trace FILE records one.");
+  EXPECT_EQ(problemOf("ESPALIER1234"),
+            "this is not a trace: it does not begin with ESPTRACE. --trace FILE records one.");
   EXPECT_EQ(problemOf(std::string("ESPTRACE\x09\0\0\0", 12)),
             "this trace has version 9, this program reads 1 to 1. Use a newer program.");
   EXPECT_EQ(problemOf(trace.substr(0, 12)), "the trace is empty.");

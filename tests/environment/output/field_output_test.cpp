@@ -56,7 +56,8 @@ TEST(FieldOutput, WhatCannotBeReadIsSaid) {
     text.replace(text.find(from), from.size(), to);
     return text;
   };
-  EXPECT_EQ(problem("<html></html>"), "is no VTK image data file with cell data");
+  EXPECT_EQ(problem("<html></html>"),
+            "is no VTK image data file (.vti) with cell data. Export the quantity as such a file");
   EXPECT_EQ(problem(changed("version=\"1.0\" byte", "compressor=\"vtkLZ4DataCompressor\" byte")),
             "is compressed by 'vtkLZ4DataCompressor': write it with SetDataModeToAppended or SetDataModeToBinary, and "
             "SetCompressorTypeToZLib or SetCompressorTypeToNone");

@@ -85,7 +85,8 @@ TEST(TraceFile, WhatWasFlushedIsReadableThoughTheFileWasNeverClosed) {
 
 TEST(TraceFile, AFewBytesThatStandForGigabytesAreRefusedAtTheFirstEvent) {
   // 6 GB of zeros in 183 kB
-  EXPECT_EQ(replayOf(zstdBomb("", 45'777)), "this is not a trace: it does not begin with ESPTRACE.");
+  EXPECT_EQ(replayOf(zstdBomb("", 45'777)),
+            "this is not a trace: it does not begin with ESPTRACE. --trace FILE records one.");
   // an event of zeros that is longer than the bound, one that is longer than the memory, and one within the bound
   const std::string head("ESPTRACE\x01\0\0\0", 12);
   EXPECT_EQ(
