@@ -227,6 +227,9 @@ TEST_F(Cli, MissingFilesSayWhatToDo) {
             "error: there is no file 'nosuch.v' (--view): check the name and the working folder\n");
   EXPECT_EQ(error("derive algae.l --environment nosuch.json"),
             "error: there is no environment file 'nosuch.json': check the name and the working folder\n");
+  folder_.write("cut.json", "{\"type\": \"height\",\n");
+  const std::string cut = error("derive algae.l --environment cut.json");
+  EXPECT_EQ(cut.substr(0, cut.find(" JSON")), "cut.json:2:1: error: the environment is not valid") << cut;
   EXPECT_EQ(error("run algae.l -o nosuch/a.svg"),
             "error: cannot write 'nosuch/a.svg': there is no folder 'nosuch'; make it first\n");
   EXPECT_EQ(error("run --resume nosuch.snapshot -o a.svg"),
