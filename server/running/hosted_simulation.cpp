@@ -5,6 +5,7 @@
 #include <chrono>
 #include <new>
 
+#include "engine/core/diagnostic.h"
 #include "engine/simulation/snapshot.h"
 #include "engine/simulation/snapshot_editing.h"
 #include "protocol/json_writer.h"
@@ -30,19 +31,43 @@ std::string_view definedName(std::string_view line) {
   return line.substr(0, line.find_first_of(" \t\r("));
 }
 
-/// Whether a source of the model has a `#define` of the name.
-bool isDefined(const language::Program& program, std::string_view name) {
-  return std::any_of(program.sources.begin(), program.sources.end(), [name](const auto& file) {
+/// The names that the sources of a model define.
+std::vector<std::string_view> definedNames(const language::Program& program) {
+  std::vector<std::string_view> names;
+  for (const auto& file : program.sources) {
     const std::string_view text = file.text;
     for (std::size_t begin = 0; begin < text.size();) {
       const std::size_t end = std::min(text.find('\n', begin), text.size());
-      if (definedName(text.substr(begin, end - begin)) == name) {
-        return !name.empty();
+      if (const std::string_view name = definedName(text.substr(begin, end - begin)); !name.empty()) {
+        names.push_back(name);
       }
       begin = end + 1;
     }
-    return false;
-  });
+  }
+  return names;
+}
+
+/// Whether a source of the model has a `#define` of the name.
+bool isDefined(const language::Program& program, std::string_view name) {
+  const std::vector<std::string_view> names = definedNames(program);
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// The end of a message about a name that no model has: the nearest one. Empty where none is near.
+std::string nearestTo(const std::string& name, const simulation::Programs& programs) {
+  // a client and an author of a model choose the names: their number and length are bounded
+  constexpr std::size_t kMostNames = 1000;
+  constexpr std::size_t kLongest = 100;
+  std::vector<std::string_view> names;
+  for (const auto& program : programs) {
+    const auto& variables = program->systems.front().variables;
+    names.insert(names.end(), variables.begin(), variables.end());
+    const std::vector<std::string_view> defined = definedNames(*program);
+    names.insert(names.end(), defined.begin(), defined.end());
+  }
+  names.resize(std::min(names.size(), kMostNames));
+  const std::string_view nearest = name.size() > kLongest ? std::string_view{} : core::nearestName(name, names);
+  return nearest.empty() ? std::string{} : ". Did you mean '" + std::string(nearest) + "'?";
 }
 
 /// The model with other values of the names that it defines.
@@ -417,8 +442,9 @@ std::optional<protocol::Error> HostedSimulation::define(
   for (const auto& [name, value] : defines) {
     const auto hasName = [&name = name](const auto& program) { return isDefined(*program, name); };
     if (std::none_of(simulation_->programs().begin(), simulation_->programs().end(), hasName)) {
-      return protocol::memberError("params.parameters." + name,
-                                   "the model has neither a variable nor a #define of that name");
+      return protocol::memberError(
+          "params.parameters." + name,
+          "the model has neither a variable nor a #define of that name" + nearestTo(name, simulation_->programs()));
     }
   }
   // each model that defines a name takes the new value

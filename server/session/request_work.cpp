@@ -18,11 +18,11 @@ std::shared_ptr<SimulationRunner> findRunner(const Request& request, const std::
   auto runner = core.find(simulation);
   if (runner == nullptr) {
     const auto damaged = core.findDamaged(simulation);
-    request.session.respondError(request.id, damaged ? *damaged
-                                                     : protocol::Error{ErrorCode::NotFound,
-                                                                       "There is no simulation '" + simulation +
-                                                                           "'. simulation.list names those there are.",
-                                                                       {}});
+    request.session.respondError(
+        request.id, damaged ? *damaged
+                            : protocol::Error{ErrorCode::NotFound,
+                                              "There is no simulation '" + simulation + "'. simulation.list names all.",
+                                              {}});
   }
   return runner;
 }

@@ -87,7 +87,10 @@ void streamClose(const Request& request, protocol::StreamCloseParams params) {
   if (session.closeStream(params.stream)) {
     session.respond(request.id, "{}");
   } else {
-    session.respondError(request.id, {ErrorCode::NotFound, "This session has no stream '" + params.stream + "'.", {}});
+    session.respondError(request.id,
+                         {ErrorCode::NotFound,
+                          "This session has no stream '" + params.stream + "'. The answer to stream.open names it.",
+                          {}});
   }
 }
 

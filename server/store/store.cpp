@@ -484,7 +484,10 @@ Store::State Store::readCheckpoint(const std::string& simulation, const std::str
       return {{}, *failure};
     }
   }
-  return state == 0 ? State{{}, "there is no checkpoint '" + name + "'"} : implementation_->get(state);
+  return state == 0
+             ? State{{},
+                     "there is no checkpoint '" + name + "'; simulation.get with \"what\":\"checkpoints\" lists them"}
+             : implementation_->get(state);
 }
 
 std::optional<std::string> Store::saveModel(const std::string& model, std::string_view text) {

@@ -329,7 +329,8 @@ TEST(Server, CheckpointsAreKeptByNameAcrossRestarts) {
       "1");
   EXPECT_EQ(stringOf(*client, simulation), "F(1)F(1)A?E(0)");
   EXPECT_EQ(errorOf(client->request("simulation.restore", named(simulation, R"("checkpoint":"old")"))).message,
-            "The simulation stays as it is: there is no checkpoint 'old'.");
+            "The simulation stays as it is: there is no checkpoint 'old'; simulation.get with \"what\":\"checkpoints\" "
+            "lists them.");
 }
 
 TEST(Server, LoadedModelsAreThereAfterARestart) {
@@ -616,8 +617,11 @@ TEST(Server, SetGivesVariablesAndDefinitionsOtherValues) {
   resultOf(set(R"({"GROWTH":5})"));
   resultOf(client->request("simulation.step", named(simulation)));
   EXPECT_EQ(stringOf(*client, simulation), "F(2)F(11)F(16)A");
-  EXPECT_EQ(errorOf(set(R"({"GROWHT":5})")).message,
-            "params.parameters.GROWHT: the model has neither a variable nor a #define of that name");
+  EXPECT_EQ(
+      errorOf(set(R"({"GROWHT":5})")).message,
+      "params.parameters.GROWHT: the model has neither a variable nor a #define of that name. Did you mean 'GROWTH'?");
+  EXPECT_EQ(errorOf(set(R"({"light":5})")).message,
+            "params.parameters.light: the model has neither a variable nor a #define of that name");
   EXPECT_EQ(errorOf(set(R"({"size":"big"})")).message, "params.parameters.size: expected a number for a variable");
   EXPECT_EQ(errorOf(set(R"({"size":1,"GROWTH":2})")).message,
             "params.parameters: variables and #defines in one call could fail half-way; set them one after the other");

@@ -192,7 +192,8 @@ TEST(Store, CheckpointsAreKeptByNameAndGoWithTheirSimulation) {
   EXPECT_EQ(all[1].step, 4U);
   EXPECT_EQ(all[1].bytes, 6U);
   EXPECT_EQ(store->readCheckpoint("sim-1", "spring").bytes, "fourth");
-  EXPECT_EQ(store->readCheckpoint("sim-1", "summer").problem, "there is no checkpoint 'summer'");
+  EXPECT_EQ(store->readCheckpoint("sim-1", "summer").problem,
+            "there is no checkpoint 'summer'; simulation.get with \"what\":\"checkpoints\" lists them");
   ASSERT_EQ(store->remove("sim-1"), std::nullopt);
   EXPECT_TRUE(store->checkpoints("sim-1").empty());
 }
