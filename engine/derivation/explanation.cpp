@@ -385,7 +385,7 @@ class Writer {
 
 }  // namespace
 
-std::variant<std::string, core::SimulationError> explain(const language::Program& program, DerivationOptions options,
+tl::expected<std::string, core::SimulationError> explain(const language::Program& program, DerivationOptions options,
                                                          const PlantState& state, std::uint64_t module) {
   if (module >= state.string.size()) {
     core::SimulationError error;
@@ -398,7 +398,7 @@ std::variant<std::string, core::SimulationError> explain(const language::Program
                     (state.string.empty() ? std::string("it is empty")
                                           : "it has " + counted(state.string.size(), "module") + ", numbered 0 to " +
                                                 std::to_string(state.string.size() - 1));
-    return error;
+    return tl::unexpected(std::move(error));
   }
   options.messages = nullptr;
   Derivation derivation(program, std::move(options));
@@ -412,7 +412,7 @@ std::variant<std::string, core::SimulationError> explain(const language::Program
     failure = caught.error();
   }
   if (record.fate == ModuleRecord::Fate::NotReached && failure) {
-    return *failure;
+    return tl::unexpected(*std::move(failure));
   }
   ESPALIER_CHECK(record.fate != ModuleRecord::Fate::NotReached);
   return Writer(program, state, record).run(failure);

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 #include <string>
-#include <variant>
+#include <tl/expected.hpp>
 
 #include "engine/core/simulation_error.h"
 #include "engine/derivation/derivation.h"
@@ -18,7 +18,7 @@ namespace espalier::derivation {
 ///
 /// Returns an error when the string has no such module or the step fails before it. When the step fails at the module
 /// or behind it, the text ends with the failure.
-[[nodiscard]] std::variant<std::string, core::SimulationError> explain(const language::Program& program,
+[[nodiscard]] tl::expected<std::string, core::SimulationError> explain(const language::Program& program,
                                                                        DerivationOptions options,
                                                                        const PlantState& state, std::uint64_t module);
 

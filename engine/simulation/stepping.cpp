@@ -295,10 +295,10 @@ void Simulation::Implementation::startPlant(std::size_t plant, derivation::Plant
     return;
   }
   auto read = derivation::parseText(population_.program(plant), options_.startString);
-  if (const std::string* problem = std::get_if<std::string>(&read)) {
-    failAsModel("the string to start from, " + *problem + ".");
+  if (!read) {
+    failAsModel("the string to start from, " + read.error() + ".");
   }
-  population_.derivation(plant).rewind(state, &std::get<derivation::ModuleString>(read));
+  population_.derivation(plant).rewind(state, &*read);
 }
 
 turtle::EnvironmentContext Simulation::Implementation::environmentContext() const {

@@ -195,10 +195,10 @@ Problem writeExplanation(SimulationRunner& runner, const protocol::GetParams& pa
   const auto explained =
       derivation::explain(simulation.program(params.plant), simulation.derivationOptions(params.plant),
                           simulation.plantState(params.plant), params.module);
-  if (const auto* error = std::get_if<core::SimulationError>(&explained)) {
-    return runner.hosted().errorOf(*error);
+  if (!explained) {
+    return runner.hosted().errorOf(explained.error());
   }
-  std::string text = std::get<std::string>(explained);
+  std::string text = *explained;
   // the replies of the next exchange are not known before the step
   if (!simulation.isAnswered() && !runner.hosted().processNames().empty()) {
     text += "The environment has not answered yet: this uses the values that the modules hold now.\n";

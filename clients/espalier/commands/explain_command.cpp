@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "clients/espalier/commands/commands.h"
@@ -80,11 +79,11 @@ int explain(ExplainOptions& options) {
   const auto explained =
       derivation::explain(simulation.program(options.plant), simulation.derivationOptions(options.plant),
                           simulation.plantState(options.plant), options.module);
-  if (const auto* error = std::get_if<core::SimulationError>(&explained)) {
-    printError(formatSimulationError(*error));
+  if (!explained) {
+    printError(formatSimulationError(explained.error()));
     return kFailure;
   }
-  const std::string& text = std::get<std::string>(explained);
+  const std::string& text = *explained;
   std::fwrite(text.data(), 1, text.size(), stdout);
   return kSuccess;
 }

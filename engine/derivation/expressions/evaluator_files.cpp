@@ -1,5 +1,4 @@
 #include <string>
-#include <variant>
 
 #include "engine/derivation/expressions/evaluator.h"
 #include "engine/derivation/expressions/model_files.h"
@@ -12,15 +11,14 @@ double Evaluator::openFile(std::uint32_t file, std::uint16_t mode, std::uint32_t
   const language::FileMode fileMode = language::FileMode::fromBits(mode);
   const auto opened =
       ModelFiles(*program_, state_->files, options_.limits, options_.canWriteFiles).open(file, fileMode);
-  if (const double* handle = std::get_if<double>(&opened)) {
-    return *handle;
+  if (opened) {
+    return *opened;
   }
   // the compiler has warned about a name outside the folder
   if (!files::isNameInside(program_->files[file].name)) {
     return 0.0;
   }
-  warnOnce(at, "fopen(\"" + program_->files[file].name + "\", \"" + fileMode.text() +
-                   "\") gives 0: " + std::get<std::string>(opened));
+  warnOnce(at, "fopen(\"" + program_->files[file].name + "\", \"" + fileMode.text() + "\") gives 0: " + opened.error());
   return 0.0;
 }
 

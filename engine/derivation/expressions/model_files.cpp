@@ -43,24 +43,26 @@ FileOutput& ModelFiles::outputOf(std::uint32_t file) {
   return found == state_->output.end() ? state_->output.emplace_back(FileOutput{file, false, {}}) : *found;
 }
 
-std::variant<double, std::string> ModelFiles::open(std::uint32_t file, const language::FileMode& mode) {
+tl::expected<double, std::string> ModelFiles::open(std::uint32_t file, const language::FileMode& mode) {
   const language::ModelFile& named = program_->files[file];
   if (named.isRefused) {
-    return std::string("a model can open only files inside its folder, and cannot overwrite its own text");
+    return tl::unexpected(
+        std::string("a model can open only files inside its folder, and cannot overwrite its own text"));
   }
   if (mode.canWrite && !canWrite_) {
-    return std::string("models write no files here");
+    return tl::unexpected(std::string("models write no files here"));
   }
   const bool exists = named.source != language::ModelFile::kNoSource || findKept(file) != nullptr;
   if (mode.mustExist && !exists) {
-    return std::string("there is no such file in the model's folder");
+    return tl::unexpected(std::string("there is no such file in the model's folder"));
   }
   // the first free place
   const auto free =
       std::find_if(state_->open.begin(), state_->open.end(), [](const OpenFile& place) { return !place.isOpen; });
   const auto index = static_cast<std::size_t>(free - state_->open.begin());
   if (index >= limits_->maximumOpenFiles) {
-    return "more than " + std::to_string(limits_->maximumOpenFiles) + " files are open (limit openFiles)";
+    return tl::unexpected("more than " + std::to_string(limits_->maximumOpenFiles) +
+                          " files are open (limit openFiles)");
   }
   if (free == state_->open.end()) {
     state_->open.emplace_back();

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "engine/core/limits.h"
@@ -22,7 +22,7 @@ class ModelFiles {
       : program_(&program), state_(&state), limits_(&limits), canWrite_(canWrite) {}
 
   /// A handle, or the reason for the failure: a sentence without a full stop.
-  [[nodiscard]] std::variant<double, std::string> open(std::uint32_t file, const language::FileMode& mode);
+  [[nodiscard]] tl::expected<double, std::string> open(std::uint32_t file, const language::FileMode& mode);
   /// False: no open file has this handle.
   [[nodiscard]] bool close(double handle);
 

@@ -27,18 +27,19 @@ class StringReader {
     std::ranges::sort(longNames_, [](std::string_view a, std::string_view b) { return a.size() > b.size(); });
   }
 
-  [[nodiscard]] std::variant<ModuleString, std::string> read() {
+  [[nodiscard]] tl::expected<ModuleString, std::string> read() {
     ModuleString string;
     for (skipBlanks(); position_ < text_.size(); skipBlanks()) {
       const std::size_t begin = position_;
       const std::string_view name = takeName();
       if (!takeParameters()) {
-        return at(position_) + "expected a number, ',' or ')' in the parameters of '" + std::string(name) + "'";
+        return tl::unexpected(at(position_) + "expected a number, ',' or ')' in the parameters of '" +
+                              std::string(name) + "'");
       }
       const core::ModuleTypeId type = typeOf(name);
       if (type == core::kNoModuleType) {
-        return at(begin) + "the model has no module '" + std::string(name) + "' with " +
-               std::to_string(parameters_.size()) + " parameters";
+        return tl::unexpected(at(begin) + "the model has no module '" + std::string(name) + "' with " +
+                              std::to_string(parameters_.size()) + " parameters");
       }
       string.append(type, parameters_);
     }
@@ -147,7 +148,7 @@ std::string toText(const language::Program& program, const ModuleString& string,
   return text;
 }
 
-std::variant<ModuleString, std::string> parseText(const language::Program& program, std::string_view text) {
+tl::expected<ModuleString, std::string> parseText(const language::Program& program, std::string_view text) {
   return StringReader(program, text).read();
 }
 

@@ -2,7 +2,7 @@
 
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 
 #include "engine/core/diagnostic.h"
 #include "engine/core/number_text.h"
@@ -19,7 +19,7 @@ void appendText(std::string& text, const language::Program& program, const Modul
 /// Reads the text form of a string as modules of the Program. Blanks and newlines may stand between modules. Declared
 /// names count before single symbols, the longest first. Otherwise returns a sentence with the place (line:column) and
 /// the mistake: a module that the model does not have, or a parameter that is not a number.
-[[nodiscard]] std::variant<ModuleString, std::string> parseText(const language::Program& program,
+[[nodiscard]] tl::expected<ModuleString, std::string> parseText(const language::Program& program,
                                                                 std::string_view text);
 
 /// The style of the Program's mode: shortest, or %g in the compatible modes.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <string>
-#include <variant>
 
 #include "engine/core/number_text.h"
 #include "engine/derivation/rewrite_record.h"
@@ -21,8 +20,7 @@ std::string explained(const std::string& text, std::uint64_t stepsBefore, std::u
   DerivedModel model(text, {}, compatibility);
   model.steps(stepsBefore);
   const auto result = explain(model.program(), {}, model.state(), module);
-  const auto* error = std::get_if<core::SimulationError>(&result);
-  return error != nullptr ? "error: " + error->message : std::get<std::string>(result);
+  return result ? *result : "error: " + result.error().message;
 }
 
 /// What follows the heading: from "What happened" on.

@@ -22,11 +22,11 @@ class ModelFilesTest : public testing::Test {
   ModelFiles files(bool canWrite = true) { return {program_, state_, limits_, canWrite}; }
   double open(std::uint32_t file, const char* mode, bool canWrite = true) {
     const auto opened = files(canWrite).open(file, *FileMode::parse(mode));
-    return std::holds_alternative<double>(opened) ? std::get<double>(opened) : 0.0;
+    return opened.value_or(0.0);
   }
   std::string refusal(std::uint32_t file, const char* mode, bool canWrite = true) {
     const auto opened = files(canWrite).open(file, *FileMode::parse(mode));
-    return std::holds_alternative<std::string>(opened) ? std::get<std::string>(opened) : std::string();
+    return opened ? std::string() : opened.error();
   }
   double scan(double handle) {
     std::array<double, 1> number{};
