@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <utility>
-#include <variant>
 
 #include "clients/espalier/environment_loading.h"
 #include "clients/espalier/forest_file.h"
@@ -24,11 +23,11 @@ simulation::Programs resumedPrograms(ModelOptions& options, simulation::Snapshot
     return program == nullptr ? simulation::Programs{} : simulation::Programs{std::move(program)};
   }
   auto compiled = simulation::compileModels(info, core::Limits{});
-  if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
-    printDiagnostics(diagnostics->entries(), true);
+  if (!compiled) {
+    printDiagnostics(compiled.error().entries(), true);
     return {};
   }
-  return std::move(std::get<simulation::Programs>(compiled));
+  return std::move(*compiled);
 }
 
 // the environment of the command line, or the environment of the snapshot, made again
@@ -65,11 +64,11 @@ std::optional<ResumedRun> readResumedRun(const std::string& file, const std::str
     return std::nullopt;
   }
   auto read = simulation::readSnapshotInfo(*bytes);
-  if (const auto* failure = std::get_if<core::SimulationError>(&read)) {
-    printError("'" + file + "': " + failure->message);
+  if (!read) {
+    printError("'" + file + "': " + read.error().message);
     return std::nullopt;
   }
-  return ResumedRun{std::move(*bytes), std::move(std::get<simulation::SnapshotInfo>(read))};
+  return ResumedRun{std::move(*bytes), std::move(*read)};
 }
 
 std::optional<LoadedModel> loadResumed(ModelOptions& options, simulation::SnapshotInfo& info,

@@ -85,10 +85,10 @@ void Simulation::Implementation::save(core::ByteSink& sink) const {
 Simulation::Implementation::Outcome Simulation::Implementation::restore(std::string_view snapshot) {
   // read and check everything before anything changes
   auto read = readSnapshot(snapshot, false);
-  if (auto* error = std::get_if<core::SimulationError>(&read)) {
-    return failed(std::move(*error));
+  if (!read) {
+    return failed(std::move(read.error()));
   }
-  SnapshotContent& content = std::get<SnapshotContent>(read);
+  SnapshotContent& content = *read;
   if (auto error = sizeErrorOf(content, options_.limits)) {
     return failed(std::move(*error));
   }

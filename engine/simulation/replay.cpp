@@ -211,10 +211,10 @@ class Replay {
   [[nodiscard]] std::optional<std::string> run() {
     while (true) {
       auto read = reader_.next();
-      if (auto* problem = std::get_if<std::string>(&read)) {
-        return std::move(*problem);
+      if (!read) {
+        return std::move(read.error());
       }
-      auto& event = std::get<std::optional<TraceEvent>>(read);
+      auto& event = *read;
       if (!event) {
         return simulation_ == nullptr ? std::optional<std::string>("the trace is empty.") : std::nullopt;
       }
@@ -276,15 +276,15 @@ class Replay {
 
   [[nodiscard]] std::optional<std::string> start(TraceEvent& event) {
     auto read = readSnapshotInfo(event.snapshot);
-    if (const auto* error = std::get_if<core::SimulationError>(&read)) {
-      return error->message;
+    if (!read) {
+      return read.error().message;
     }
-    auto& info = std::get<SnapshotInfo>(read);
+    auto& info = *read;
     auto compiled = compileModels(info, limits_);
-    if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
+    if (!compiled) {
       return "the model in the trace does not compile with this program: " +
-             (diagnostics->entries().empty() ? std::string("no reason was given")
-                                             : diagnostics->entries().front().message) +
+             (compiled.error().entries().empty() ? std::string("no reason was given")
+                                                 : compiled.error().entries().front().message) +
              ".";
     }
     // older traces hold the world only beside the snapshot
@@ -305,9 +305,8 @@ class Replay {
       process = std::make_unique<ReplayProcess>(event.description, event.context.symbols, witness_);
     }
     process_ = process.get();
-    simulation_ =
-        std::make_unique<Simulation>(std::move(std::get<Programs>(compiled)), std::vector<PlantOrigin>(info.plantCount),
-                                     std::move(process), std::move(options));
+    simulation_ = std::make_unique<Simulation>(std::move(*compiled), std::vector<PlantOrigin>(info.plantCount),
+                                               std::move(process), std::move(options));
     if (const auto error = simulation_->restore(event.snapshot)) {
       return error->message;
     }
@@ -359,18 +358,18 @@ class Replay {
 
 }  // namespace
 
-std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,
+tl::expected<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,
                                                     const ReplayWitness& witness, const core::Limits& limits) {
   core::ViewSource source(trace);
   return replayTrace(source, UINT64_MAX, threads, witness, limits);
 }
 
-std::variant<ReplayResult, std::string> replayTrace(core::ByteSource& trace, std::uint64_t maximumEventBytes,
+tl::expected<ReplayResult, std::string> replayTrace(core::ByteSource& trace, std::uint64_t maximumEventBytes,
                                                     unsigned threads, const ReplayWitness& witness,
                                                     const core::Limits& limits) {
   Replay replay(trace, maximumEventBytes, threads, witness, limits);
   if (auto problem = replay.run()) {
-    return std::move(*problem);
+    return tl::unexpected(std::move(*problem));
   }
   return std::move(replay.result);
 }

@@ -158,18 +158,18 @@ void Simulation::setCancelled(bool isCancelled) {
   implementation_->setCancelled(isCancelled);
 }
 
-std::variant<turtle::Scene, core::SimulationError> Simulation::scene() const {
+tl::expected<turtle::Scene, core::SimulationError> Simulation::scene() const {
   turtle::Scene scene;
   if (auto error = implementation_->draw({.scene = &scene})) {
-    return std::move(*error);
+    return tl::unexpected(std::move(*error));
   }
   return scene;
 }
 
-std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> Simulation::turtleRecords() const {
+tl::expected<std::vector<turtle::TurtleRecord>, core::SimulationError> Simulation::turtleRecords() const {
   std::vector<turtle::TurtleRecord> records;
   if (auto error = implementation_->draw({.records = &records})) {
-    return std::move(*error);
+    return tl::unexpected(std::move(*error));
   }
   return records;
 }

@@ -7,9 +7,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tl/expected.hpp>
 #include <unordered_map>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "engine/core/limits.h"
@@ -170,10 +170,10 @@ class Simulation {
   void setCancelled(bool isCancelled);                      // from any thread
 
   /// Draws all plants. Does not change the simulation (homomorphism side effects happen on a copy of the variables).
-  [[nodiscard]] std::variant<turtle::Scene, core::SimulationError> scene() const;
+  [[nodiscard]] tl::expected<turtle::Scene, core::SimulationError> scene() const;
   /// The turtle stream's records of the current strings, all plants; symbols are places in symbolNames(). Does not
   /// change the simulation.
-  [[nodiscard]] std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords() const;
+  [[nodiscard]] tl::expected<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords() const;
   /// Calls `visit` after each module of all plants, in order, with the turtle's state then (InterpretationOutput::
   /// onModule). Does not change the simulation.
   [[nodiscard]] std::optional<core::SimulationError> visitModules(

@@ -6,12 +6,12 @@
 
 namespace espalier::simulation {
 
-std::variant<SnapshotInfo, core::SimulationError> readSnapshotInfo(std::string_view snapshot) {
+tl::expected<SnapshotInfo, core::SimulationError> readSnapshotInfo(std::string_view snapshot) {
   auto read = readSnapshot(snapshot, true);
-  if (auto* error = std::get_if<core::SimulationError>(&read)) {
-    return std::move(*error);
+  if (!read) {
+    return tl::unexpected(std::move(read.error()));
   }
-  SnapshotContent& content = std::get<SnapshotContent>(read);
+  SnapshotContent& content = *read;
   SnapshotInfo info;
   info.version = kSnapshotVersion;
   for (SnapshotModel& model : content.models) {
@@ -40,13 +40,13 @@ std::variant<SnapshotInfo, core::SimulationError> readSnapshotInfo(std::string_v
   return info;
 }
 
-std::variant<Programs, core::DiagnosticList> compileModels(SnapshotInfo& info, const core::Limits& limits) {
+tl::expected<Programs, core::DiagnosticList> compileModels(SnapshotInfo& info, const core::Limits& limits) {
   Programs programs;
   for (SnapshotSource& source : info.models) {
     source.compileInput.limits = limits;
     language::CompileResult compiled = language::compile(source.compileInput, source.files);
     if (compiled.program == nullptr) {
-      return std::move(compiled.diagnostics);
+      return tl::unexpected(std::move(compiled.diagnostics));
     }
     programs.push_back(std::move(compiled.program));
   }

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "engine/core/simulation_error.h"
@@ -50,10 +50,10 @@ struct SnapshotInfo {
 };
 
 /// The Programs of a snapshot, compiled within `limits`, or the diagnostics of the first that does not compile.
-[[nodiscard]] std::variant<Programs, core::DiagnosticList> compileModels(SnapshotInfo& info,
+[[nodiscard]] tl::expected<Programs, core::DiagnosticList> compileModels(SnapshotInfo& info,
                                                                          const core::Limits& limits);
 
 /// Reads the head of a snapshot. Errors name the reason: not a snapshot, a newer version, cut off, damaged.
-[[nodiscard]] std::variant<SnapshotInfo, core::SimulationError> readSnapshotInfo(std::string_view snapshot);
+[[nodiscard]] tl::expected<SnapshotInfo, core::SimulationError> readSnapshotInfo(std::string_view snapshot);
 
 }  // namespace espalier::simulation

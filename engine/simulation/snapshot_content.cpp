@@ -466,12 +466,16 @@ class HashingSink {
   core::Hasher hasher_;
 };
 
-core::SimulationError cutOff() {
-  return snapshotError("The snapshot is cut off: it ends in the middle of a section. Use a complete copy of the file.");
+tl::unexpected<core::SimulationError> refused(std::string message) {
+  return tl::unexpected(snapshotError(std::move(message)));
 }
 
-core::SimulationError damaged(const std::string& what) {
-  return snapshotError("The snapshot is damaged: " + what + ". Use an intact copy.");
+tl::unexpected<core::SimulationError> cutOff() {
+  return refused("The snapshot is cut off: it ends in the middle of a section. Use a complete copy of the file.");
+}
+
+tl::unexpected<core::SimulationError> damaged(const std::string& what) {
+  return refused("The snapshot is damaged: " + what + ". Use an intact copy.");
 }
 
 /// Whether the last bytes are the checksum of everything before them.
@@ -640,14 +644,13 @@ bool SectionReader::readState(Section tag, ByteReader& section) {
 
 }  // namespace
 
-std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot, bool headOnly) {
+tl::expected<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot, bool headOnly) {
   // magic and version, before anything else is believed
   if (!snapshot.starts_with(kSnapshotMagic)) {
     const bool isBeginning = !snapshot.empty() && kSnapshotMagic.starts_with(snapshot);
-    return isBeginning
-               ? cutOff()
-               : snapshotError("This is not a snapshot: it does not begin with '" + std::string(kSnapshotMagic) +
-                               "'. Snapshots are made with 'espalier run MODEL.l -o NAME.snapshot'.");
+    return isBeginning ? cutOff()
+                       : refused("This is not a snapshot: it does not begin with '" + std::string(kSnapshotMagic) +
+                                 "'. Snapshots are made with 'espalier run MODEL.l -o NAME.snapshot'.");
   }
   ByteReader reader(snapshot.substr(kSnapshotMagic.size()));
   const std::uint32_t version = reader.number32();
@@ -655,9 +658,8 @@ std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_vi
     return cutOff();
   }
   if (version == 0 || version > kSnapshotVersion) {
-    return snapshotError("The snapshot has version " + std::to_string(version) +
-                         "; this Espalier reads versions 1 to " + std::to_string(kSnapshotVersion) +
-                         ". Use the Espalier that made it, or a newer one.");
+    return refused("The snapshot has version " + std::to_string(version) + "; this Espalier reads versions 1 to " +
+                   std::to_string(kSnapshotVersion) + ". Use the Espalier that made it, or a newer one.");
   }
   // sections until the end; without the right checksum that is the reason for whatever else is wrong
   const bool isIntact = hasItsChecksum(snapshot);

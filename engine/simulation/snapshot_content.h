@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "engine/core/simulation_error.h"
@@ -63,7 +63,7 @@ void writeSnapshot(const SnapshotContent& content, core::ByteSink& sink);
 /// Reads a snapshot. With `headOnly` the plants, the environment's state and the replies are left out. Errors name the
 /// reason: not a snapshot, a newer version, cut off, damaged. The values are right by themselves; adoptPrograms
 /// (snapshot_check.h) checks whether they fit the Programs.
-[[nodiscard]] std::variant<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot,
+[[nodiscard]] tl::expected<SnapshotContent, core::SimulationError> readSnapshot(std::string_view snapshot,
                                                                                 bool headOnly);
 
 /// A SimulationError of code Snapshot.

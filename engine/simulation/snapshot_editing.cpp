@@ -10,11 +10,11 @@
 namespace espalier::simulation {
 namespace {
 
-core::SimulationError modelError(std::string message) {
+tl::unexpected<core::SimulationError> modelError(std::string message) {
   core::SimulationError error;
   error.code = core::SimulationErrorCode::Model;
   error.message = std::move(message);
-  return error;
+  return tl::unexpected(std::move(error));
 }
 
 std::string bytesOf(const SnapshotContent& content) {
@@ -104,14 +104,12 @@ std::string problemOf(const std::vector<EditedModule>& modules, const Types& typ
 }
 
 /// Reads a snapshot whose strings may be changed.
-std::variant<SnapshotContent, core::SimulationError> readForEditing(std::string_view snapshot) {
+tl::expected<SnapshotContent, core::SimulationError> readForEditing(std::string_view snapshot) {
   auto read = readSnapshot(snapshot, false);
-  if (const auto* content = std::get_if<SnapshotContent>(&read)) {
-    if (content->hasReplies || content->isAnswered) {
-      return modelError(
-          "The environment has answered already for a step that could not be completed. Make that step first, or go "
-          "back to a snapshot.");
-    }
+  if (read && (read->hasReplies || read->isAnswered)) {
+    return modelError(
+        "The environment has answered already for a step that could not be completed. Make that step first, or go "
+        "back to a snapshot.");
   }
   return read;
 }
@@ -120,10 +118,10 @@ std::variant<SnapshotContent, core::SimulationError> readForEditing(std::string_
 
 EditedSnapshot editString(std::string_view snapshot, const StringEdit& edit) {
   auto read = readForEditing(snapshot);
-  if (auto* error = std::get_if<core::SimulationError>(&read)) {
-    return std::move(*error);
+  if (!read) {
+    return tl::unexpected(std::move(read.error()));
   }
-  SnapshotContent& content = std::get<SnapshotContent>(read);
+  SnapshotContent& content = *read;
   if (edit.plant >= content.plants.size()) {
     return modelError("There is no plant " + std::to_string(edit.plant) + "; there are " +
                       std::to_string(content.plants.size()) + ", numbered from 0.");
@@ -145,7 +143,7 @@ EditedSnapshot editString(std::string_view snapshot, const StringEdit& edit) {
                       std::to_string(old.size()) + ", numbered from 0.");
   }
   if (std::any_of(old.begin(), old.end(), [&](core::ModuleTypeId type) { return type >= types.count(); })) {
-    return snapshotError("The snapshot is damaged: a module has no type.");
+    return tl::unexpected(snapshotError("The snapshot is damaged: a module has no type."));
   }
   std::vector<core::ModuleTypeId> chosen;
   if (std::string problem = problemOf(edit.modules, types, chosen); !problem.empty()) {
@@ -172,7 +170,7 @@ EditedSnapshot editString(std::string_view snapshot, const StringEdit& edit) {
   }
   const std::span<const double> parameters = plant.string.parameters();
   if (before + removed > parameters.size()) {
-    return snapshotError("The snapshot is damaged: parameters are missing.");
+    return tl::unexpected(snapshotError("The snapshot is damaged: parameters are missing."));
   }
   derivation::ModuleString changed;
   changed.appendAll(old.first(edit.module), parameters.first(before));
@@ -188,10 +186,10 @@ EditedSnapshot editString(std::string_view snapshot, const StringEdit& edit) {
 EditedSnapshot setVariables(std::string_view snapshot, const Programs& programs,
                             const std::vector<std::pair<std::string, double>>& values) {
   auto read = readForEditing(snapshot);
-  if (auto* error = std::get_if<core::SimulationError>(&read)) {
-    return std::move(*error);
+  if (!read) {
+    return tl::unexpected(std::move(read.error()));
   }
-  SnapshotContent& content = std::get<SnapshotContent>(read);
+  SnapshotContent& content = *read;
   // a variable of several models is changed in the plants of all of them
   for (const auto& [name, value] : values) {
     if (!std::isfinite(value)) {
@@ -214,7 +212,7 @@ EditedSnapshot setVariables(std::string_view snapshot, const Programs& programs,
         }
         derivation::PlantState& plant = content.plants[i];
         if (plant.instances.empty() || slot >= plant.instances.front().variables.size()) {
-          return snapshotError("The snapshot does not fit the model: it has other variables.");
+          return tl::unexpected(snapshotError("The snapshot does not fit the model: it has other variables."));
         }
         plant.instances.front().variables[slot] = value;
       }
@@ -228,10 +226,10 @@ EditedSnapshot setVariables(std::string_view snapshot, const Programs& programs,
 
 EditedSnapshot withPrograms(std::string_view snapshot, const Programs& programs) {
   auto read = readForEditing(snapshot);
-  if (auto* error = std::get_if<core::SimulationError>(&read)) {
-    return std::move(*error);
+  if (!read) {
+    return tl::unexpected(std::move(read.error()));
   }
-  SnapshotContent& content = std::get<SnapshotContent>(read);
+  SnapshotContent& content = *read;
   for (std::size_t model = 0; model < programs.size() && model < content.models.size(); ++model) {
     content.models[model].programHash = programs[model]->hash;
     content.models[model].defines = programs[model]->defines;

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "engine/core/simulation_error.h"
@@ -32,7 +32,7 @@ struct StringEdit {
   std::vector<EditedModule> modules;
 };
 
-using EditedSnapshot = std::variant<std::string, core::SimulationError>;
+using EditedSnapshot = tl::expected<std::string, core::SimulationError>;
 
 /// The snapshot with one string changed. Brackets stay paired, and modules must be of types that the model has. A model
 /// with sub-L-systems cannot be edited, because their states are counted along the string. Not possible while the

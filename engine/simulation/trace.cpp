@@ -146,34 +146,35 @@ std::optional<std::string> TraceReader::takeHead() {
   return std::nullopt;
 }
 
-std::variant<std::optional<TraceEvent>, std::string> TraceReader::next() {
+tl::expected<std::optional<TraceEvent>, std::string> TraceReader::next() {
   if (position_ == 0) {
     if (auto problem = takeHead()) {
-      return std::move(*problem);
+      return tl::unexpected(std::move(*problem));
     }
   }
   const std::string place = "at byte " + std::to_string(position_);
   const std::string isCut = "the trace is cut off in the event " + place + ": the program that wrote it ended early.";
   bool isShort = false;
   if (auto problem = take(8, isShort)) {
-    return std::move(*problem);
+    return tl::unexpected(std::move(*problem));
   }
   if (piece_.empty()) {
     return std::optional<TraceEvent>();
   }
   if (isShort) {
-    return isCut;
+    return tl::unexpected(isCut);
   }
   const std::uint64_t length = ByteReader(piece_).number64();
   if (length > maximumEventBytes_) {
-    return "the event " + place + " has " + std::to_string(length) + " bytes, of which at most " +
-           std::to_string(maximumEventBytes_) + " are read: the trace is damaged, or needs more memory.";
+    return tl::unexpected("the event " + place + " has " + std::to_string(length) + " bytes, of which at most " +
+                          std::to_string(maximumEventBytes_) +
+                          " are read: the trace is damaged, or needs more memory.");
   }
   if (auto problem = take(length, isShort)) {
-    return std::move(*problem);
+    return tl::unexpected(std::move(*problem));
   }
   if (isShort) {
-    return isCut;
+    return tl::unexpected(isCut);
   }
   TraceEvent event;
   event.bytes = length;
@@ -181,19 +182,19 @@ std::variant<std::optional<TraceEvent>, std::string> TraceReader::next() {
   // zeros are no event: the checksum of much would take long
   const std::uint64_t found = isEvent ? checksumOf(piece_) : 0;
   if (auto problem = take(8, isShort)) {
-    return std::move(*problem);
+    return tl::unexpected(std::move(*problem));
   }
   if (isShort) {
-    return isCut;
+    return tl::unexpected(isCut);
   }
   if (!isEvent) {
-    return "the event " + place + " cannot be read: the trace is damaged.";
+    return tl::unexpected("the event " + place + " cannot be read: the trace is damaged.");
   }
   if (ByteReader(piece_).number64() != found) {
     event.damage = "the event " + place + " does not have its checksum: the trace is damaged.";
     // a changed query or reply is for the replay to find and to name
     if (event.kind != TraceEventKind::Step) {
-      return event.damage;
+      return tl::unexpected(std::move(event.damage));
     }
   }
   return std::optional<TraceEvent>(std::move(event));

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "engine/core/byte_source.h"
@@ -102,7 +102,7 @@ class TraceReader {
       : source_(&source), maximumEventBytes_(maximumEventBytes) {}
 
   /// The next event, nothing at the end, or an error sentence.
-  [[nodiscard]] std::variant<std::optional<TraceEvent>, std::string> next();
+  [[nodiscard]] tl::expected<std::optional<TraceEvent>, std::string> next();
 
  private:
   /// Puts the next bytes into piece_. An error sentence; `isShort`: there are fewer.
@@ -141,13 +141,13 @@ struct ReplayWitness {
 /// first difference in a query, a reply or a string. An error sentence when the trace cannot be read or its model does
 /// not compile. `threads` and `limits` as in SimulationOptions. The questions and replies of one step have at most
 /// `maximumEventBytes` in the trace: the replay holds them together.
-[[nodiscard]] std::variant<ReplayResult, std::string> replayTrace(core::ByteSource& trace,
+[[nodiscard]] tl::expected<ReplayResult, std::string> replayTrace(core::ByteSource& trace,
                                                                   std::uint64_t maximumEventBytes, unsigned threads,
                                                                   const ReplayWitness& witness = {},
                                                                   const core::Limits& limits = {});
 
 /// The same for a trace in memory.
-[[nodiscard]] std::variant<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,
+[[nodiscard]] tl::expected<ReplayResult, std::string> replayTrace(std::string_view trace, unsigned threads,
                                                                   const ReplayWitness& witness = {},
                                                                   const core::Limits& limits = {});
 

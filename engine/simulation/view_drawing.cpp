@@ -22,7 +22,7 @@ class ViewDrawing::Implementation {
     states_.clear();
   }
   [[nodiscard]] std::optional<core::SimulationError> draw(turtle::InterpretationOutput output);
-  [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> recordChain();
+  [[nodiscard]] tl::expected<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> recordChain();
   void forgetChain() {
     chain_ = nullptr;
     changes_.clear();
@@ -104,7 +104,7 @@ std::optional<core::SimulationError> ViewDrawing::Implementation::draw(turtle::I
   }
 }
 
-std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError>
+tl::expected<std::shared_ptr<const turtle::RecordChain>, core::SimulationError>
 ViewDrawing::Implementation::recordChain() {
   const Programs& programs = view().programs;
   if (!std::all_of(programs.begin(), programs.end(), [](const auto& it) { return turtle::isRepeatable(*it); })) {
@@ -115,7 +115,7 @@ ViewDrawing::Implementation::recordChain() {
   try {
     studio_->drawing.chainRecords(*view().members, states_, chain_.get(), changes_, *chain);
   } catch (const core::SimulationFailure& failure) {
-    return sayingWhereItStays(failure.error(), view().completedSteps);
+    return tl::unexpected(sayingWhereItStays(failure.error(), view().completedSteps));
   }
   chain_ = std::move(chain);
   changes_.clear();
@@ -147,17 +147,17 @@ std::string ViewDrawing::stringText(std::size_t plant) const {
   const language::Program& program = view().program(plant);
   return derivation::toText(program, view().plants[plant].string, derivation::numberStyle(program.compatibility));
 }
-std::variant<turtle::Scene, core::SimulationError> ViewDrawing::scene() {
+tl::expected<turtle::Scene, core::SimulationError> ViewDrawing::scene() {
   turtle::Scene scene;
   if (auto error = implementation_->draw({.scene = &scene})) {
-    return std::move(*error);
+    return tl::unexpected(std::move(*error));
   }
   return scene;
 }
-std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> ViewDrawing::turtleRecords() {
+tl::expected<std::vector<turtle::TurtleRecord>, core::SimulationError> ViewDrawing::turtleRecords() {
   std::vector<turtle::TurtleRecord> records;
   if (auto error = implementation_->draw({.records = &records})) {
-    return std::move(*error);
+    return tl::unexpected(std::move(*error));
   }
   return records;
 }
@@ -165,7 +165,7 @@ std::optional<core::SimulationError> ViewDrawing::visitModules(
     const std::function<void(const turtle::TurtleRecord&, std::uint64_t first)>& visit) {
   return implementation_->draw({.onModule = visit});
 }
-std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> ViewDrawing::recordChain() {
+tl::expected<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> ViewDrawing::recordChain() {
   return implementation_->recordChain();
 }
 void ViewDrawing::forgetChain() {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "engine/core/simulation_error.h"
@@ -33,14 +33,14 @@ class ViewDrawing {
   [[nodiscard]] const std::vector<std::string>& symbolNames() const;
   [[nodiscard]] const files::ViewSettings& settings() const;
   [[nodiscard]] std::string stringText(std::size_t plant) const;
-  [[nodiscard]] std::variant<turtle::Scene, core::SimulationError> scene();
-  [[nodiscard]] std::variant<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords();
+  [[nodiscard]] tl::expected<turtle::Scene, core::SimulationError> scene();
+  [[nodiscard]] tl::expected<std::vector<turtle::TurtleRecord>, core::SimulationError> turtleRecords();
   /// Does what Simulation::visitModules does.
   [[nodiscard]] std::optional<core::SimulationError> visitModules(
       const std::function<void(const turtle::TurtleRecord&, std::uint64_t first)>& visit);
   /// The records as a chain of stretches. It shares with the chain of an earlier view what has not changed since. Null
   /// when the models' drawings are not repeatable (record_chain.h).
-  [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> recordChain();
+  [[nodiscard]] tl::expected<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> recordChain();
   /// The next chain is made without an earlier one.
   void forgetChain();
 

@@ -100,10 +100,10 @@ HttpPage exportPage(simulation::ViewDrawing& drawing, const std::string& name, B
   std::vector<turtle::TurtleRecord> records;
   if (format->source == turtle::ExportSource::Scene) {
     auto drawn = drawing.scene();
-    if (const auto* error = std::get_if<core::SimulationError>(&drawn)) {
-      return problemPage(500, error->message);
+    if (!drawn) {
+      return problemPage(500, drawn.error().message);
     }
-    scene = std::move(std::get<turtle::Scene>(drawn));
+    scene = std::move(*drawn);
   }
   const simulation::PlantsView& view = drawing.view();
   std::vector<const derivation::ModuleString*> strings;

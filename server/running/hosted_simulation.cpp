@@ -215,21 +215,21 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     SimulationRecord record, std::string_view snapshot, const core::Limits& limits, const EnvironmentServices& services,
     Store& store) {
   auto read = simulation::readSnapshotInfo(snapshot);
-  if (const auto* error = std::get_if<core::SimulationError>(&read)) {
-    return toError(*error, 0, limits);
+  if (!read) {
+    return toError(read.error(), 0, limits);
   }
-  auto& info = std::get<simulation::SnapshotInfo>(read);
+  auto& info = *read;
   PartMeter modelMemory;
   auto compiled = [&] {
     const core::WorkMeter::Scope scope(&modelMemory);
     return simulation::compileModels(info, limits);
   }();
-  if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
-    return toError(diagnostics->entries());
+  if (!compiled) {
+    return toError(compiled.error().entries());
   }
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
   hosted->setModelBytes(modelMemory.net());
-  if (auto error = hosted->build(std::move(std::get<simulation::Programs>(compiled)), info.palette, true)) {
+  if (auto error = hosted->build(std::move(*compiled), info.palette, true)) {
     return std::move(*error);
   }
   if (auto error = hosted->simulation_->restore(snapshot)) {
@@ -393,10 +393,10 @@ std::optional<protocol::Error> HostedSimulation::edit(const protocol::EditParams
   }
   const std::string before = snapshot();
   const auto edited = simulation::editString(before, edit);
-  if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
-    return errorOf(*error);
+  if (!edited) {
+    return errorOf(edited.error());
   }
-  return change(before, [&] { return simulation_->restore(std::get<std::string>(edited)); });
+  return change(before, [&] { return simulation_->restore(*edited); });
 }
 
 std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair<std::string, std::string>>& values) {
@@ -431,10 +431,10 @@ std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair
   }
   const std::string before = snapshot();
   const auto edited = simulation::setVariables(before, programs, variables);
-  if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
-    return errorOf(*error);
+  if (!edited) {
+    return errorOf(edited.error());
   }
-  return change(before, [&] { return simulation_->restore(std::get<std::string>(edited)); });
+  return change(before, [&] { return simulation_->restore(*edited); });
 }
 
 std::optional<protocol::Error> HostedSimulation::define(
@@ -461,10 +461,10 @@ std::optional<protocol::Error> HostedSimulation::define(
     return error;
   }
   const auto edited = simulation::withPrograms(snapshot(), programs);
-  if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
-    return errorOf(*error);
+  if (!edited) {
+    return errorOf(edited.error());
   }
-  if (const auto error = fresh.simulation_->restore(std::get<std::string>(edited))) {
+  if (const auto error = fresh.simulation_->restore(*edited)) {
     return errorOf(*error);
   }
   return replaceBy(fresh, false);

@@ -125,10 +125,10 @@ protocol::Body bodyOf(const protocol::GeometryColumns& columns, const protocol::
 
 std::variant<protocol::Body, core::SimulationError> geometryBody(simulation::ViewDrawing& drawing) {
   const auto drawn = drawing.scene();
-  if (const auto* error = std::get_if<core::SimulationError>(&drawn)) {
-    return *error;
+  if (!drawn) {
+    return drawn.error();
   }
-  const turtle::ExportInput input{.scene = std::get<turtle::Scene>(drawn),
+  const turtle::ExportInput input{.scene = *drawn,
                                   .view = drawing.settings(),
                                   .palette = &drawing.view().options->palette,
                                   .usesInstancing = true,
@@ -157,14 +157,14 @@ std::variant<GeometryFrame, core::SimulationError> makeGeometryFrame(
     simulation::ViewDrawing& drawing, std::shared_ptr<const std::vector<std::string>> symbols,
     const protocol::StreamSelection& select) {
   auto drawn = drawing.scene();
-  if (auto* error = std::get_if<core::SimulationError>(&drawn)) {
-    return std::move(*error);
+  if (!drawn) {
+    return std::move(drawn.error());
   }
   auto geometry = std::make_shared<turtle::Geometry>();
   const CommonSymbols common(drawing.view(), *symbols);
   try {
     turtle::appendGeometry(
-        std::move(std::get<turtle::Scene>(drawn)), drawing.settings(),
+        std::move(*drawn), drawing.settings(),
         [&common](std::uint32_t plant, std::uint64_t module) { return common.of(plant, module); }, *geometry);
   } catch (const core::SimulationFailure& failure) {
     return failure.error();

@@ -34,13 +34,12 @@ bool isShort(const TurtleChange& change) {
 std::variant<protocol::Body, core::SimulationError> turtleBody(const simulation::Simulation& simulation,
                                                                const protocol::StreamOpenParams& params) {
   const auto made = simulation.turtleRecords();
-  if (const auto* error = std::get_if<core::SimulationError>(&made)) {
-    return *error;
+  if (!made) {
+    return made.error();
   }
   auto symbols = std::make_shared<const std::vector<std::string>>(simulation.symbolNames());
   try {
-    return encodeTurtle(std::make_shared<const TurtleFrame>(makeTurtleFrame(
-                            std::get<std::vector<turtle::TurtleRecord>>(made), std::move(symbols), params.select)),
+    return encodeTurtle(std::make_shared<const TurtleFrame>(makeTurtleFrame(*made, std::move(symbols), params.select)),
                         params);
   } catch (const protocol::NonFiniteNumber&) {
     return nonFiniteError(simulation.completedSteps());
@@ -134,10 +133,10 @@ std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> 
   // one for all viewers
   if (!chain_) {
     auto made = drawing_.recordChain();
-    if (auto* error = std::get_if<core::SimulationError>(&made)) {
-      return std::move(*error);
+    if (!made) {
+      return std::move(made.error());
     }
-    chain_ = std::move(std::get<std::shared_ptr<const turtle::RecordChain>>(made));
+    chain_ = std::move(*made);
   }
   return *chain_;
 }
@@ -155,10 +154,10 @@ std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMak
   }
   if (!records_) {
     auto made = drawing_.turtleRecords();
-    if (auto* error = std::get_if<core::SimulationError>(&made)) {
-      return std::move(*error);
+    if (!made) {
+      return std::move(made.error());
     }
-    records_ = std::move(std::get<std::vector<turtle::TurtleRecord>>(made));
+    records_ = std::move(*made);
   }
   auto frame = std::make_shared<const TurtleFrame>(makeTurtleFrame(*records_, symbols_, select));
   turtles_.push_back({select, frame});

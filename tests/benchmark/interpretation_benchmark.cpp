@@ -21,7 +21,7 @@ void interpret(benchmark::State& state, const Workload& workload, Product produc
   for (auto _ : state) {
     if (product == Product::Scene) {
       auto drawn = simulation.scene();
-      segments = std::get<turtle::Scene>(drawn).segments.size();
+      segments = drawn.value().segments.size();
       benchmark::DoNotOptimize(drawn);
     } else {
       benchmark::DoNotOptimize(simulation.turtleRecords());

@@ -57,7 +57,7 @@ GrownTree grow(const Workload& workload) {
   }
   tree.modules = simulation.string().size();
   auto drawn = simulation.scene();
-  tree.scene = std::move(std::get<turtle::Scene>(drawn));
+  tree.scene = std::move(drawn.value());
   return tree;
 }
 

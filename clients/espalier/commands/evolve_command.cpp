@@ -11,7 +11,6 @@
 #include <string>
 #include <thread>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "clients/espalier/commands/commands.h"
@@ -227,11 +226,11 @@ class Evolution {
     }
     const simulation::Simulation& simulation = **grown;
     auto scene = simulation.scene();
-    if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
-      noteFailure(formatSimulationError(*failure));
+    if (!scene) {
+      noteFailure(formatSimulationError(scene.error()));
       return std::nullopt;
     }
-    turtle::Scene& drawn = std::get<turtle::Scene>(scene);
+    turtle::Scene& drawn = *scene;
     individual.modules = simulation.string().size();
     individual.hasGrown = true;
     if (!process_) {

@@ -59,8 +59,8 @@ int exportSnapshot(const ExportOptions& options) {
   }
   simulation::SnapshotInfo& info = read->info;
   auto compiled = simulation::compileModels(info, core::Limits{});
-  if (const auto* diagnostics = std::get_if<core::DiagnosticList>(&compiled)) {
-    printDiagnostics(diagnostics->entries(), true);
+  if (!compiled) {
+    printDiagnostics(compiled.error().entries(), true);
     return kFailure;
   }
   std::unique_ptr<turtle::EnvironmentProcess> environment;
@@ -70,9 +70,8 @@ int exportSnapshot(const ExportOptions& options) {
   simulation::SimulationOptions simulationOptions;
   simulationOptions.environmentOrigin = info.environmentOrigin;
   simulationOptions.messages = standardErrorMessages(options.isQuiet);
-  simulation::Simulation simulation(std::move(std::get<simulation::Programs>(compiled)),
-                                    std::vector<simulation::PlantOrigin>(info.plantCount), std::move(environment),
-                                    std::move(simulationOptions));
+  simulation::Simulation simulation(std::move(*compiled), std::vector<simulation::PlantOrigin>(info.plantCount),
+                                    std::move(environment), std::move(simulationOptions));
   if (const auto failure = simulation.restore(read->bytes)) {
     printError("'" + options.snapshot + "': " + formatSimulationError(*failure));
     return kFailure;

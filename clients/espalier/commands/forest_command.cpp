@@ -14,7 +14,6 @@
 #include <string>
 #include <thread>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "clients/espalier/commands/commands.h"
@@ -184,10 +183,10 @@ class Forest {
       }
     }
     auto scene = simulation.scene();
-    if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
-      return formatSimulationError(*failure);
+    if (!scene) {
+      return formatSimulationError(scene.error());
     }
-    tree.scene = std::move(std::get<turtle::Scene>(scene));
+    tree.scene = std::move(*scene);
     tree.points = treePointsOf(tree.scene);
     if (options_.isPainted) {
       tree.scene = paintTree(tree.points, options_.seed, static_cast<std::uint32_t>(number));

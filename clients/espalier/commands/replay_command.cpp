@@ -23,11 +23,11 @@ int replay(const ReplayOptions& options) {
     return kFailure;
   }
   const auto outcome = simulation::replayTrace(**source, options.eventBytes, options.threads);
-  if (const auto* problem = std::get_if<std::string>(&outcome)) {
-    printError("'" + options.trace + "': " + *problem);
+  if (!outcome) {
+    printError("'" + options.trace + "': " + outcome.error());
     return kFailure;
   }
-  const auto& result = std::get<simulation::ReplayResult>(outcome);
+  const auto& result = *outcome;
   if (result.divergence) {
     printError("first divergence: " + result.divergence->message);
     return kFailure;

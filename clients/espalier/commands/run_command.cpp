@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "clients/espalier/commands/commands.h"
@@ -158,8 +157,8 @@ bool runToEnd(simulation::Simulation& simulation, std::optional<std::uint64_t> l
 // the pictures of one turn of the plant, all in one scale
 bool writeTurn(const simulation::Simulation& simulation, const RunOptions& options, OutputOptions outputs) {
   const auto drawn = simulation.scene();
-  if (const auto* failure = std::get_if<core::SimulationError>(&drawn)) {
-    printError(formatSimulationError(*failure));
+  if (!drawn) {
+    printError(formatSimulationError(drawn.error()));
     return false;
   }
   const auto turnOf = [&](std::uint64_t frame) {
@@ -169,7 +168,7 @@ bool writeTurn(const simulation::Simulation& simulation, const RunOptions& optio
   for (std::uint64_t frame = 0; frame < outputs.turntable; ++frame) {
     outputs.render.turn = turnOf(frame);
     const files::ViewSettings view = viewToRender(simulation.view(), outputs.render);
-    const turtle::ExportInput input{.scene = std::get<turtle::Scene>(drawn), .view = view};
+    const turtle::ExportInput input{.scene = *drawn, .view = view};
     const turtle::ScenePlacement here;
     all.include(turtle::pictureFrame({{&input, 1}, {&here, 1}}, outputs.picture));
   }
@@ -219,13 +218,13 @@ std::optional<turtle::PictureFrame> frameOfAll(const RunOptions& options, ModelO
   turtle::PictureFrame frame;
   while (!failure) {
     const auto scene = simulation->scene();
-    if (const auto* problem = std::get_if<core::SimulationError>(&scene)) {
-      failure = *problem;
+    if (!scene) {
+      failure = scene.error();
       break;
     }
     const files::ViewSettings view =
         options.outputs.render.isOn ? viewToRender(simulation->view(), options.outputs.render) : simulation->view();
-    const turtle::ExportInput input{.scene = std::get<turtle::Scene>(scene), .view = view};
+    const turtle::ExportInput input{.scene = *scene, .view = view};
     const turtle::ScenePlacement here;
     frame.include(turtle::pictureFrame({{&input, 1}, {&here, 1}}, options.outputs.picture));
     if (server::isOver(*simulation, last)) {

@@ -8,7 +8,6 @@
 #include <sstream>
 #include <string>
 #include <utility>
-#include <variant>
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
@@ -61,19 +60,19 @@ std::optional<std::string> tableOfModel(const TraitsOptions& options, server::Di
   }
   if (!failure) {
     auto scene = simulation.scene();
-    if (auto* drawn = std::get_if<turtle::Scene>(&scene)) {
-      const std::string table = roots::traitTable(roots::traitsOf(roots::rootsOf(*drawn), up));
+    if (scene) {
+      const std::string table = roots::traitTable(roots::traitsOf(roots::rootsOf(*scene), up));
       try {
         turtle::Geometry geometry;
         turtle::appendGeometry(
-            std::move(*drawn), simulation.view(), [](std::uint32_t, std::uint64_t) { return core::SymbolId{0}; },
+            std::move(*scene), simulation.view(), [](std::uint32_t, std::uint64_t) { return core::SymbolId{0}; },
             geometry);
         return table + roots::shootTraitRows(roots::shootTraitsOf(geometry, up, options.ground), up);
       } catch (const core::SimulationFailure& tooLarge) {
         failure = tooLarge.error();
       }
     } else {
-      failure = std::get<core::SimulationError>(scene);
+      failure = scene.error();
     }
   }
   printError(formatSimulationError(*failure));

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <variant>
 
 #include "clients/espalier/messages.h"
 #include "engine/turtle/export/picture/bitmap_font.h"
@@ -65,13 +64,13 @@ void drawImage(turtle::PictureImage& sheet, const turtle::PictureImage& image, i
 
 bool ContactSheet::add(const simulation::Simulation& simulation, const std::string& name) {
   const auto scene = simulation.scene();
-  if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
-    printError(formatSimulationError(*failure));
+  if (!scene) {
+    printError(formatSimulationError(scene.error()));
     return false;
   }
   turtle::PictureOptions picture = options_.picture;
   picture.palette = &simulation.options().palette;
-  cells_.push_back({turtle::renderPicture(std::get<turtle::Scene>(scene), simulation.view(), picture), name});
+  cells_.push_back({turtle::renderPicture(*scene, simulation.view(), picture), name});
   return true;
 }
 

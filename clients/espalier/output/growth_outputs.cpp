@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <utility>
-#include <variant>
 
 #include "clients/espalier/messages.h"
 #include "server/remote/disk_files.h"
@@ -52,11 +51,11 @@ bool GrowthOutputs::addFrame(const simulation::Simulation& simulation) {
     return true;
   }
   const auto drawn = simulation.scene();
-  if (const auto* failure = std::get_if<core::SimulationError>(&drawn)) {
-    printError(formatSimulationError(*failure));
+  if (!drawn) {
+    printError(formatSimulationError(drawn.error()));
     return false;
   }
-  const turtle::ExportInput input{.scene = std::get<turtle::Scene>(drawn),
+  const turtle::ExportInput input{.scene = *drawn,
                                   .view = simulation.view(),
                                   .palette = &simulation.options().palette,
                                   .detail = options_.detail,

@@ -9,7 +9,6 @@
 #include <memory>
 #include <system_error>
 #include <utility>
-#include <variant>
 
 #include "clients/espalier/messages.h"
 #include "clients/espalier/number_option.h"
@@ -307,11 +306,11 @@ struct OutputWriter::Drawn {
 
 std::optional<OutputWriter::Drawn> OutputWriter::drawn(const simulation::Simulation& simulation) const {
   auto scene = simulation.scene();
-  if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
-    printError(formatSimulationError(*failure));
+  if (!scene) {
+    printError(formatSimulationError(scene.error()));
     return std::nullopt;
   }
-  Drawn drawn{.scene = std::move(std::get<turtle::Scene>(scene)), .palette = simulation.options().palette};
+  Drawn drawn{.scene = std::move(*scene), .palette = simulation.options().palette};
   if (options_.isColouredByOrder) {
     drawn.palette = colourByDrawingOrder(drawn.scene);
   }

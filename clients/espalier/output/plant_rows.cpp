@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <variant>
 
 #include "clients/espalier/messages.h"
 #include "engine/core/hash.h"
@@ -46,12 +45,12 @@ bool PlantRows::add(const simulation::Simulation& simulation) {
       grown_, [&](const auto& plant) { return plant->hash == hash && plant->program->hash == program->hash; });
   if (known == grown_.end()) {
     auto scene = simulation.scene();
-    if (const auto* failure = std::get_if<core::SimulationError>(&scene)) {
-      printError(formatSimulationError(*failure));
+    if (!scene) {
+      printError(formatSimulationError(scene.error()));
       return false;
     }
-    grown_.push_back(std::make_unique<Grown>(Grown{std::move(program), simulation.view(), simulation.options().palette,
-                                                   std::move(std::get<turtle::Scene>(scene)), hash}));
+    grown_.push_back(std::make_unique<Grown>(
+        Grown{std::move(program), simulation.view(), simulation.options().palette, std::move(*scene), hash}));
     kinds_.push_back(static_cast<std::uint32_t>(grown_.size() - 1));
     return true;
   }

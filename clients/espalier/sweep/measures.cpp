@@ -257,10 +257,10 @@ std::optional<core::SimulationError> Measures::take(const simulation::Simulation
     std::optional<ShapeMeasures> shape;
     if (isDrawn) {
       auto scene = simulation.scene();
-      if (auto* failure = std::get_if<core::SimulationError>(&scene)) {
-        return std::move(*failure);
+      if (!scene) {
+        return std::move(scene.error());
       }
-      shape.emplace(std::move(std::get<turtle::Scene>(scene)), simulation.view());
+      shape.emplace(std::move(*scene), simulation.view());
     }
     for (const Wanted& one : wanted) {
       const MeasureDefinition& definition = one.measure->definition;

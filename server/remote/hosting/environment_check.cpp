@@ -439,9 +439,9 @@ class Checker {
       }
     };
     const auto replayed = simulation::replayTrace(*options_.trace, maximumTraceEventBytes(), 1, witness);
-    if (const auto* problem = std::get_if<std::string>(&replayed)) {
-      bad("trace: " + *problem);
-    } else if (const auto& divergence = std::get<simulation::ReplayResult>(replayed).divergence) {
+    if (!replayed) {
+      bad("trace: " + replayed.error());
+    } else if (const auto& divergence = replayed->divergence) {
       bad("trace: " + divergence->message);
     } else if (goesOn) {
       good("trace: the same replies to " + std::to_string(queries) + " queries in " + std::to_string(steps) +
@@ -459,11 +459,11 @@ class Checker {
     std::size_t queries = 0;
     while (true) {
       auto read = reader.next();
-      if (const auto* problem = std::get_if<std::string>(&read)) {
-        bad("trace: " + *problem);
+      if (!read) {
+        bad("trace: " + read.error());
         return;
       }
-      const auto& event = std::get<std::optional<simulation::TraceEvent>>(read);
+      const auto& event = *read;
       if (!event) {
         good("trace: the same replies to " + std::to_string(queries) + " queries in " + std::to_string(steps) +
              " steps as recorded");

@@ -4,7 +4,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 
 #include <gtest/gtest.h>
 
@@ -37,11 +36,11 @@ inline std::string withChecksum(std::string_view bytes) {
 /// The snapshot with `change` made to its content.
 inline std::string crafted(std::string_view snapshot, const std::function<void(SnapshotContent&)>& change) {
   auto read = readSnapshot(snapshot, false);
-  EXPECT_TRUE(std::holds_alternative<SnapshotContent>(read));
-  if (!std::holds_alternative<SnapshotContent>(read)) {
+  EXPECT_TRUE(read.has_value());
+  if (!read.has_value()) {
     return {};
   }
-  SnapshotContent& content = std::get<SnapshotContent>(read);
+  SnapshotContent& content = *read;
   change(content);
   core::StringSink sink;
   writeSnapshot(content, sink);

@@ -72,8 +72,8 @@ TEST(LongString, HasMoreThanTwoToThe32ModulesAndItsLastQueryIsAnswered) {
   // the seventh pass: 100 * 6
   EXPECT_EQ(simulation.string().parameters()[0], 600.0);
   const auto records = simulation.turtleRecords();
-  ASSERT_TRUE(std::holds_alternative<std::vector<turtle::TurtleRecord>>(records));
-  const auto& list = std::get<std::vector<turtle::TurtleRecord>>(records);
+  ASSERT_TRUE(records.has_value());
+  const auto& list = *records;
   ASSERT_EQ(list.size(), 1U);
   EXPECT_EQ(list[0].module, query);
 }

@@ -95,7 +95,7 @@ TEST(ModelOutput, IsNotMadeByPictures) {
       "Lsystem: 1\nderivation length: 9\nStart: {f = fopen(\"out.txt\", \"w\");}\nAxiom: A\nA --> A\n"
       "homomorphism\nA : {fprintf(f, \"drawn\\n\");} 1 --> F\nendlsystem\n");
   expectSuccess(run.simulation.rewind());
-  EXPECT_TRUE(std::holds_alternative<turtle::Scene>(run.simulation.scene()));
+  EXPECT_TRUE(run.simulation.scene().has_value());
   expectSuccess(run.simulation.step());
   EXPECT_EQ(run.writer->contents["out.txt"], "");
 }

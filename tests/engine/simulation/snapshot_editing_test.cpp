@@ -16,10 +16,10 @@ std::string edited(const StringEdit& edit) {
   Simulation simulation(program, {{}}, nullptr, {});
   expectSuccess(simulation.rewind());
   const EditedSnapshot outcome = editString(snapshotOf(simulation), edit);
-  if (const auto* error = std::get_if<core::SimulationError>(&outcome)) {
-    return error->message;
+  if (!outcome) {
+    return outcome.error().message;
   }
-  expectSuccess(simulation.restore(std::get<std::string>(outcome)));
+  expectSuccess(simulation.restore(*outcome));
   return simulation.stringText();
 }
 
@@ -63,9 +63,8 @@ TEST(SnapshotEditing, CallsOfSubLSystemsAreNotPutIn) {
   Simulation simulation(program, {{}}, nullptr, {});
   expectSuccess(simulation.rewind());
   const auto refused = editString(snapshotOf(simulation), {Kind::Insert, 0, 0, {{"?", {5.0}}, {"L", {}}, {"$", {}}}});
-  ASSERT_TRUE(std::holds_alternative<core::SimulationError>(refused));
-  EXPECT_EQ(std::get<core::SimulationError>(refused).message,
-            "A call of a sub-L-system cannot be put in: its variables would be missing.");
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().message, "A call of a sub-L-system cannot be put in: its variables would be missing.");
 }
 
 TEST(SnapshotEditing, VariablesHaveTheirNewValuesInTheNextStep) {
@@ -73,13 +72,13 @@ TEST(SnapshotEditing, VariablesHaveTheirNewValuesInTheNextStep) {
   Simulation simulation(program, {{}}, nullptr, {});
   expectSuccess(simulation.rewind());
   const EditedSnapshot changed = setVariables(snapshotOf(simulation), {program}, {{"rate", 10.0}});
-  ASSERT_TRUE(std::holds_alternative<std::string>(changed));
-  expectSuccess(simulation.restore(std::get<std::string>(changed)));
+  ASSERT_TRUE(changed.has_value());
+  expectSuccess(simulation.restore(*changed));
   expectSuccess(simulation.step());
   EXPECT_EQ(simulation.stringText(), "F(1)[+(30)F(2)F(11)A]F(3)F(21)A");
   const auto unknown = setVariables(snapshotOf(simulation), {program}, {{"rat", 10.0}});
-  EXPECT_EQ(std::get<core::SimulationError>(unknown).message.substr(0, 59),
-            "The model has no variable 'rat'. Did you mean 'rate'? Avail");
+  ASSERT_FALSE(unknown.has_value());
+  EXPECT_EQ(unknown.error().message.substr(0, 59), "The model has no variable 'rat'. Did you mean 'rate'? Avail");
 }
 
 }  // namespace

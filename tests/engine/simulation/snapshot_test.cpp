@@ -9,9 +9,8 @@
 namespace espalier::simulation {
 namespace {
 
-std::string messageOf(const std::variant<SnapshotInfo, core::SimulationError>& result) {
-  const auto* error = std::get_if<core::SimulationError>(&result);
-  return error == nullptr ? std::string() : error->message;
+std::string messageOf(const tl::expected<SnapshotInfo, core::SimulationError>& result) {
+  return result ? std::string() : result.error().message;
 }
 
 class SnapshotContinuation : public testing::TestWithParam<core::Compatibility> {};
@@ -71,7 +70,7 @@ TEST(Snapshot, HoldsTheWorldWithItsWeather) {
   expectSuccess(run.simulation.step());
   const std::string snapshot = snapshotOf(run.simulation);
   EXPECT_EQ(snapshot[8], 3);
-  EXPECT_EQ(std::get<SnapshotInfo>(readSnapshotInfo(snapshot)).world, world);
+  EXPECT_EQ(readSnapshotInfo(snapshot).value().world, world);
   // a simulation of another world goes on in that of the run, and its environment is told
   TestRun restored(program);
   expectSuccess(restored.simulation.rewind());
@@ -149,7 +148,7 @@ TEST(Snapshot, IsEnoughToCompileItsModelAnywhere) {
   expectSuccess(run.simulation.step());
   auto read = readSnapshotInfo(snapshotOf(run.simulation));
   ASSERT_EQ(messageOf(read), "");
-  SnapshotInfo& info = std::get<SnapshotInfo>(read);
+  SnapshotInfo& info = *read;
   EXPECT_EQ(info.name, "stand");
   EXPECT_EQ(info.completedSteps, 1U);
   EXPECT_EQ(info.seed, 12U);
@@ -159,9 +158,9 @@ TEST(Snapshot, IsEnoughToCompileItsModelAnywhere) {
   EXPECT_EQ(info.plants[1].origin.placement.position, (core::Vec3{4, 0, 0}));
   EXPECT_EQ(info.environmentName, "fake");
   const auto compiled = compileModels(info, core::Limits{});
-  ASSERT_TRUE(std::holds_alternative<Programs>(compiled));
-  ASSERT_EQ(std::get<Programs>(compiled).size(), 1U);
-  const language::Program& again = *std::get<Programs>(compiled).front();
+  ASSERT_TRUE(compiled.has_value());
+  ASSERT_EQ(compiled->size(), 1U);
+  const language::Program& again = *compiled->front();
   EXPECT_EQ(again.hash, info.models.front().programHash);
   EXPECT_EQ(again.view.angleIncrementDegrees, 30.0);
 }

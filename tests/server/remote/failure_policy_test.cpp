@@ -112,16 +112,14 @@ std::vector<simulation::TraceEvent> eventsIn(const std::string& folder) {
     simulation::TraceReader reader(source);
     while (true) {
       auto read = reader.next();
-      auto* event = std::get_if<std::optional<simulation::TraceEvent>>(&read);
-      if (event == nullptr || !*event) {
-        EXPECT_NE(event, nullptr) << std::get<std::string>(read);
+      if (!read || !*read) {
+        EXPECT_TRUE(read.has_value()) << read.error();
         break;
       }
-      events.push_back(std::move(**event));
+      events.push_back(std::move(**read));
     }
     const auto replayed = simulation::replayTrace(bytes, 2);
-    EXPECT_TRUE(std::holds_alternative<simulation::ReplayResult>(replayed) &&
-                !std::get<simulation::ReplayResult>(replayed).divergence);
+    EXPECT_TRUE(replayed.has_value() && !replayed->divergence);
   }
   return events;
 }

@@ -57,8 +57,7 @@ std::string replayOf(const std::string& bytes) {
   std::ofstream(folder.path() + "/t.zst", std::ios::binary) << bytes;
   const auto source = TraceFileSource::open(folder.path() + "/t.zst");
   const auto outcome = simulation::replayTrace(**source, 10'000'000, 1);
-  const auto* problem = std::get_if<std::string>(&outcome);
-  return problem == nullptr ? "(none)" : *problem;
+  return outcome ? "(none)" : outcome.error();
 }
 
 TEST(TraceFile, WhatWasWrittenIsReadCompressedOrNot) {

@@ -32,8 +32,7 @@ std::shared_ptr<const std::vector<std::string>> symbolsOf(const simulation::Simu
 }
 
 TurtleFrame wholeOf(const simulation::Simulation& simulation) {
-  return makeTurtleFrame(std::get<std::vector<turtle::TurtleRecord>>(simulation.turtleRecords()), symbolsOf(simulation),
-                         {});
+  return makeTurtleFrame(simulation.turtleRecords().value(), symbolsOf(simulation), {});
 }
 
 /// The records as they are now; `drawing` has drawn the chains before.
@@ -41,7 +40,7 @@ std::shared_ptr<const turtle::RecordChain> chainOf(simulation::Simulation& simul
                                                    simulation::ViewDrawing& drawing) {
   simulation.followChanges(true);
   drawing.show(simulation.takeView());
-  return std::get<std::shared_ptr<const turtle::RecordChain>>(drawing.recordChain());
+  return drawing.recordChain().value();
 }
 
 /// A model of several tips that grow, turn, branch and rest as chance has it.
@@ -272,9 +271,9 @@ TEST(ChainDifference, AFailureIsThatOfTheWhole) {
   drawing.show(simulation->takeView());
   const auto chain = drawing.recordChain();
   const auto records = simulation->turtleRecords();
-  ASSERT_TRUE(std::holds_alternative<core::SimulationError>(records));
-  ASSERT_TRUE(std::holds_alternative<core::SimulationError>(chain));
-  EXPECT_EQ(std::get<core::SimulationError>(chain).message, std::get<core::SimulationError>(records).message);
+  ASSERT_FALSE(records.has_value());
+  ASSERT_FALSE(chain.has_value());
+  EXPECT_EQ(chain.error().message, records.error().message);
 }
 
 }  // namespace

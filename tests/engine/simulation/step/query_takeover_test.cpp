@@ -96,8 +96,8 @@ TEST(QueryTakeover, EachStepAsksWhatARestoredSimulationAsks) {
           const EditedSnapshot edited = editString(
               snapshotOf(simulation),
               {.kind = StringEdit::Kind::Insert, .plant = 1, .module = dice() % 20'000, .modules = {{"F", {0.5}}}});
-          if (const auto* snapshot = std::get_if<std::string>(&edited)) {
-            expectSuccess(simulation.restore(*snapshot));
+          if (edited) {
+            expectSuccess(simulation.restore(*edited));
           }
           break;
         }
