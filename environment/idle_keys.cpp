@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <string>
-#include <variant>
 
 #include "environment/base/configuration.h"
 #include "environment/base/json_text.h"

@@ -102,10 +102,10 @@ std::optional<std::string> ServerCore::loadSaved() {
   }
   models_.loadKept();
   const auto saved = store_.simulations();
-  if (const auto* problem = std::get_if<std::string>(&saved)) {
-    return *problem;
+  if (!saved) {
+    return saved.error();
   }
-  const auto& entries = std::get<std::vector<Store::Entry>>(saved);
+  const auto& entries = *saved;
   for (const Store::Entry& entry : entries) {
     loadOne(entry);
   }
@@ -124,27 +124,27 @@ void ServerCore::loadOne(const Store::Entry& entry) {
   // a stored environment that the operator no longer permits is refused, also to the client that stored it
   protocol::ErrorCode code = protocol::ErrorCode::Storage;
   auto record = toRecord(entry.id, entry.record);
-  if (auto* known = std::get_if<SimulationRecord>(&record)) {
-    known->owner = entry.owner;
-    information.name = known->create.name;
-    information.seed = known->seed;
+  if (record) {
+    record->owner = entry.owner;
+    information.name = record->create.name;
+    information.seed = record->seed;
     const Store::State state = store_.readState(entry.id);
     information.damage = state.problem;
     if (state.problem.empty()) {
-      auto loaded = HostedSimulation::load(std::move(*known), state.bytes, options_.limits.simulation,
+      auto loaded = HostedSimulation::load(std::move(*record), state.bytes, options_.limits.simulation,
                                            environmentServices(), store_);
-      if (auto* hosted = std::get_if<std::unique_ptr<HostedSimulation>>(&loaded)) {
+      if (loaded) {
         Account& owner = accounts_.of(entry.owner);
-        add(entry.id, std::move(*hosted));
+        add(entry.id, std::move(*loaded));
         keepRoom(owner);
         return;
       }
-      const auto& error = std::get<protocol::Error>(loaded);
+      const auto& error = loaded.error();
       information.damage = error.message;
       code = error.code == protocol::ErrorCode::Unauthorised ? error.code : code;
     }
   } else {
-    information.damage = "The data folder's record of it cannot be read (" + std::get<std::string>(record) + ").";
+    information.damage = "The data folder's record of it cannot be read (" + record.error() + ").";
   }
   log_.warn("is not loaded: " + information.damage, {.simulation = entry.id});
   const std::lock_guard lock(mutex_);
@@ -188,25 +188,27 @@ std::shared_ptr<SimulationRunner> ServerCore::find(const std::string& simulation
   return found == simulations_.end() ? nullptr : found->second;
 }
 
-std::variant<std::string, protocol::Error> ServerCore::reserve(const std::string& session, const std::string& owner,
-                                                               const std::string& wanted) {
+protocol::Expected<std::string> ServerCore::reserve(const std::string& session, const std::string& owner,
+                                                    const std::string& wanted) {
   const ServerLimits& limits = options_.limits;
   const Account& account = accounts_.of(owner);
   const std::lock_guard lock(mutex_);
   if (const std::uint64_t bound = limits.simulations; simulations_.size() >= bound) {
-    return protocol::limitError("simulations", bound + 1, bound, "Delete one first.");
+    return tl::unexpected(protocol::limitError("simulations", bound + 1, bound, "Delete one first."));
   }
   if (const std::uint64_t bound = account.bounds().simulations; account.simulations() >= bound) {
-    return protocol::limitError("accountSimulations", bound + 1, bound, "Delete one of this account first.");
+    return tl::unexpected(
+        protocol::limitError("accountSimulations", bound + 1, bound, "Delete one of this account first."));
   }
   const auto own = std::count_if(creators_.begin(), creators_.end(),
                                  [&session](const auto& entry) { return entry.second == session; });
   if (const std::uint64_t bound = limits.simulationsPerSession; static_cast<std::uint64_t>(own) >= bound) {
-    return protocol::limitError("simulationsPerSession", bound + 1, bound,
-                                "Delete one that this connection made first.");
+    return tl::unexpected(
+        protocol::limitError("simulationsPerSession", bound + 1, bound, "Delete one that this connection made first."));
   }
   if (simulations_.contains(wanted)) {
-    return protocol::memberError("params.simulation", "another request makes this simulation now; ask again");
+    return tl::unexpected(
+        protocol::memberError("params.simulation", "another request makes this simulation now; ask again"));
   }
   std::string name = wanted.empty() ? randomName() : wanted;
   while (simulations_.contains(name)) {
@@ -234,21 +236,21 @@ void ServerCore::add(const std::string& simulation, std::unique_ptr<HostedSimula
   simulations_.insert_or_assign(simulation, std::move(runner));
 }
 
-std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> ServerCore::loadAgain(const std::string& simulation) {
+protocol::Expected<std::unique_ptr<HostedSimulation>> ServerCore::loadAgain(const std::string& simulation) {
   const auto entry = store_.simulation(simulation);
   if (!entry) {
-    return protocol::Error{protocol::ErrorCode::Storage, entry.error(), {}};
+    return tl::unexpected(protocol::Error{protocol::ErrorCode::Storage, entry.error(), {}});
   }
   auto record = toRecord(entry->id, entry->record);
-  if (const auto* problem = std::get_if<std::string>(&record)) {
-    return protocol::Error{
-        protocol::ErrorCode::Storage, "The data folder's record of it cannot be read (" + *problem + ").", {}};
+  if (!record) {
+    return tl::unexpected(protocol::Error{
+        protocol::ErrorCode::Storage, "The data folder's record of it cannot be read (" + record.error() + ").", {}});
   }
-  auto& known = std::get<SimulationRecord>(record);
+  auto& known = *record;
   known.owner = entry->owner;
   const Store::State state = store_.readState(simulation);
   if (!state.problem.empty()) {
-    return protocol::Error{protocol::ErrorCode::Storage, state.problem + ".", {}};
+    return tl::unexpected(protocol::Error{protocol::ErrorCode::Storage, state.problem + ".", {}});
   }
   return HostedSimulation::load(std::move(known), state.bytes, options_.limits.simulation, environmentServices(),
                                 store_);

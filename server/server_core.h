@@ -9,7 +9,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "protocol/errors.h"
@@ -71,8 +70,8 @@ class ServerCore {
   /// Reserves an identifier for add(): `wanted`, or a new one when that is empty. It counts for the session until it is
   /// removed. An error when it is taken, or when the session, its account, or the server has as many simulations as it
   /// may have.
-  [[nodiscard]] std::variant<std::string, protocol::Error> reserve(const std::string& session, const std::string& owner,
-                                                                   const std::string& wanted = {});
+  [[nodiscard]] protocol::Expected<std::string> reserve(const std::string& session, const std::string& owner,
+                                                        const std::string& wanted = {});
   void add(const std::string& simulation, std::unique_ptr<HostedSimulation> hosted);
   /// Forgets an identifier, and the simulation when there is one. It is not closed.
   void remove(const std::string& simulation);
@@ -104,8 +103,7 @@ class ServerCore {
 
  private:
   void loadOne(const Store::Entry& entry);
-  [[nodiscard]] std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> loadAgain(
-      const std::string& simulation);
+  [[nodiscard]] protocol::Expected<std::unique_ptr<HostedSimulation>> loadAgain(const std::string& simulation);
   /// Makes simulations passive, of the account or, when it is null, of any: the one that was used least recently first,
   /// as long as `isWanted`. False: none could be.
   bool makePassive(const Account* account, const std::function<bool()>& isWanted);

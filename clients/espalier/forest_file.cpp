@@ -6,7 +6,6 @@
 #include <random>
 #include <system_error>
 #include <utility>
-#include <variant>
 
 #include "clients/espalier/json_file.h"
 #include "clients/espalier/messages.h"

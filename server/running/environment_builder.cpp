@@ -98,12 +98,13 @@ std::optional<protocol::Error> refusalOf(const environment::EnvironmentEntry& en
 }
 
 /// The link of a remote entry that is permitted, or what is wrong with it.
-std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const environment::EnvironmentEntry& entry,
-                                                                         const std::string& path,
-                                                                         const EnvironmentServices& services) {
+protocol::Expected<std::shared_ptr<EnvironmentLink>> makeLink(const environment::EnvironmentEntry& entry,
+                                                              const std::string& path,
+                                                              const EnvironmentServices& services) {
   if (entry.type == "offered") {
     if (entry.name == entry.type) {
-      return protocol::memberError(path + ".name", "expected the name under which the environment offers itself");
+      return tl::unexpected(
+          protocol::memberError(path + ".name", "expected the name under which the environment offers itself"));
     }
     return std::make_shared<OfferedLink>(entry.name, *services.offered);
   }
@@ -111,19 +112,19 @@ std::variant<std::shared_ptr<EnvironmentLink>, protocol::Error> makeLink(const e
   if (entry.type == "tcp") {
     std::string address = addressOf(entry);
     if (address.empty()) {
-      return protocol::memberError(path + ".address", "expected HOST:PORT");
+      return tl::unexpected(protocol::memberError(path + ".address", "expected HOST:PORT"));
     }
     if (address.starts_with("unix:")) {
-      return protocol::memberError(
-          path + ".address",
-          "a socket of this machine's file system is dialled by the command line only; let the "
-          "environment offer itself, or listen on HOST:PORT");
+      return tl::unexpected(
+          protocol::memberError(path + ".address",
+                                "a socket of this machine's file system is dialled by the command line only; let the "
+                                "environment offer itself, or listen on HOST:PORT"));
     }
     return std::shared_ptr<EnvironmentLink>(ChannelLink::tcp(std::move(address), options));
   }
   if (auto command = protocol::memberOf(entry.configuration, "command")) {
     if (command->empty()) {
-      return protocol::memberError(path + ".command", "expected a command");
+      return tl::unexpected(protocol::memberError(path + ".command", "expected a command"));
     }
     return std::shared_ptr<EnvironmentLink>(ChannelLink::stdio(std::move(*command), options));
   }
@@ -169,48 +170,47 @@ environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry
 }
 
 /// The process that a specification on the wire names. It can read only the files that came with it.
-std::variant<std::unique_ptr<turtle::EnvironmentProcess>, protocol::Error> makeFromSentFiles(
+protocol::Expected<std::unique_ptr<turtle::EnvironmentProcess>> makeFromSentFiles(
     const environment::EnvironmentEntry& entry, const std::string& path, core::Compatibility compatibility,
     simulation::EnvironmentOrigin& origin) {
   const auto main = protocol::memberOf(entry.configuration, "main");
   auto texts = protocol::textsOf(entry.configuration, "files");
   if (!texts) {
-    return protocol::memberError(path + ".files", "expected an object of file names and their texts");
+    return tl::unexpected(protocol::memberError(path + ".files", "expected an object of file names and their texts"));
   }
   if (!main || !texts->contains(*main)) {
-    return protocol::memberError(path + ".main",
-                                 "expected the name of the environment specification (.e) among \"files\"");
+    return tl::unexpected(protocol::memberError(
+        path + ".main", "expected the name of the environment specification (.e) among \"files\""));
   }
   origin = {*main, {texts->begin(), texts->end()}};
   core::MemoryFileProvider files(std::move(*texts));
   std::vector<core::Diagnostic> warnings;
   auto made = environment::makeFromEnvironmentFile(*main, files, compatibility, warnings);
   if (!made) {
-    return protocol::memberError(path, sentences(made.error()));
+    return tl::unexpected(protocol::memberError(path, sentences(made.error())));
   }
   return std::move(*made);
 }
 
 }  // namespace
 
-std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
-                                                                 core::Compatibility compatibility,
-                                                                 bool isAbsenceTolerated,
-                                                                 const EnvironmentServices& services) {
+protocol::Expected<BuiltEnvironment> buildEnvironment(const std::string& environmentJson,
+                                                      core::Compatibility compatibility, bool isAbsenceTolerated,
+                                                      const EnvironmentServices& services) {
   BuiltEnvironment built;
   if (environmentJson.empty()) {
     return built;
   }
   auto parsed = environment::parseEnvironmentEntries(environmentJson);
   if (!parsed) {
-    return protocol::memberError("params.environment", sentences(parsed.error()));
+    return tl::unexpected(protocol::memberError("params.environment", sentences(parsed.error())));
   }
   const std::vector<environment::EnvironmentEntry>& entries = *parsed;
   const RemotePermissions nothing;
   for (std::size_t i = 0; i < entries.size(); ++i) {
     if (auto error = refusalOf(entries[i], "params.environment[" + std::to_string(i) + "]",
                                services.permissions == nullptr ? nothing : *services.permissions)) {
-      return std::move(*error);
+      return tl::unexpected(std::move(*error));
     }
   }
   std::vector<std::pair<std::string, std::unique_ptr<turtle::EnvironmentProcess>>> processes;
@@ -221,13 +221,13 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
     std::unique_ptr<turtle::EnvironmentProcess> process;
     if (isRemote(entry.type)) {
       auto made = makeLink(entry, path, services);
-      if (auto* error = std::get_if<protocol::Error>(&made)) {
-        return std::move(*error);
+      if (!made) {
+        return tl::unexpected(std::move(made.error()));
       }
-      const auto& link = std::get<std::shared_ptr<EnvironmentLink>>(made);
+      const auto& link = *made;
       auto read = readRemoteSettings(entry.configuration);
       if (!read) {
-        return protocol::memberError(path + "." + read.error().key, read.error().message);
+        return tl::unexpected(protocol::memberError(path + "." + read.error().key, read.error().message));
       }
       RemoteSettings& settings = *read;
       RemoteProcessOptions options;
@@ -239,23 +239,23 @@ std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::stri
       auto remote = std::make_unique<RemoteProcess>(link, std::move(options));
       if (auto error = remote->introduce();
           error && !((isAbsenceTolerated || settings.policy.isTolerant) && error->isRetryable)) {
-        return environmentFailed(entry.name, *error);
+        return tl::unexpected(environmentFailed(entry.name, *error));
       }
       built.links.push_back(link);
       built.names.push_back(titleOf(entry));
       process = settings.policy.around(std::move(remote), services.onFailure);
     } else if (entry.type == "field") {
       auto made = makeFromSentFiles(entry, path, compatibility, fieldOrigin);
-      if (auto* error = std::get_if<protocol::Error>(&made)) {
-        return std::move(*error);
+      if (!made) {
+        return tl::unexpected(std::move(made.error()));
       }
-      process = std::move(std::get<std::unique_ptr<turtle::EnvironmentProcess>>(made));
+      process = std::move(*made);
       built.names.push_back(entry.name == entry.type ? *protocol::memberOf(entry.configuration, "main") : entry.name);
     } else {
       auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services, fieldOrigin)
                                           : environment::makeProcess(entry.type, entry.configuration);
       if (!made) {
-        return protocol::memberError(path, sentences(made.error()));
+        return tl::unexpected(protocol::memberError(path, sentences(made.error())));
       }
       process = std::move(*made);
       built.names.push_back(entry.type);

@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "engine/simulation/simulation.h"
@@ -53,10 +52,10 @@ struct BuiltEnvironment {
 /// another process may have a `policy`: fail (the default), keep, or fallback:NAME of a built-in. Every way to a
 /// simulation comes through here, so it is the one place that asks `services.permissions`: an entry that names a
 /// command or an address without permission is error 1003, and no entry has been reached then.
-[[nodiscard]] std::variant<BuiltEnvironment, protocol::Error> buildEnvironment(const std::string& environmentJson,
-                                                                               core::Compatibility compatibility,
-                                                                               bool isAbsenceTolerated,
-                                                                               const EnvironmentServices& services);
+[[nodiscard]] protocol::Expected<BuiltEnvironment> buildEnvironment(const std::string& environmentJson,
+                                                                    core::Compatibility compatibility,
+                                                                    bool isAbsenceTolerated,
+                                                                    const EnvironmentServices& services);
 
 /// The `environment` array of a simulation as peers may read it: processes of the server whole, those in other
 /// processes by type and name alone, because addresses, commands and what they are sent may be secret.

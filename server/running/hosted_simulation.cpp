@@ -115,10 +115,10 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
       return protocol::memberError("params.trace", "this server keeps nothing; start it with --data to have traces");
     }
     auto trace = SimulationTrace::create(services_.traceFolder, record_.id);
-    if (auto* problem = std::get_if<std::string>(&trace)) {
-      return protocol::Error{protocol::ErrorCode::Storage, *problem, {}};
+    if (!trace) {
+      return protocol::Error{protocol::ErrorCode::Storage, trace.error(), {}};
     }
-    trace_ = std::move(std::get<std::unique_ptr<SimulationTrace>>(trace));
+    trace_ = std::move(*trace);
     services.onFailure = [trace = trace_](std::uint64_t step, const std::string& message) {
       trace->note(step, message);
     };
@@ -138,10 +138,10 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
                             services);
   };
   auto built = buildMetered();
-  if (auto* error = std::get_if<protocol::Error>(&built)) {
-    return std::move(*error);
+  if (!built) {
+    return std::move(built.error());
   }
-  auto& environment = std::get<BuiltEnvironment>(built);
+  auto& environment = *built;
   std::vector<simulation::PlantOrigin> plants = plantOrigins(record_.create.models, record_.create.plants);
   if (plants.empty()) {
     plants.emplace_back();
@@ -174,49 +174,53 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   return std::nullopt;
 }
 
-std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::create(
+protocol::Expected<std::unique_ptr<HostedSimulation>> HostedSimulation::create(
     SimulationRecord record, simulation::Programs programs, files::Palette palette, const core::Limits& limits,
     const EnvironmentServices& services, Store& store, Interruption& interruption) {
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
   if (auto error = hosted->build(std::move(programs), std::move(palette), false)) {
-    return std::move(*error);
+    return tl::unexpected(std::move(*error));
   }
   {
     const Interruption::Scope scope(interruption, [&hosted] { hosted->setCancelled(true); });
     if (auto error = hosted->simulation_->rewind()) {
-      return hosted->errorOf(*error);
+      return tl::unexpected(hosted->errorOf(*error));
     }
   }
   hosted->setCancelled(false);
   hosted->beginTrace();
   if (auto error = hosted->save(true)) {
-    return std::move(*error);
+    return tl::unexpected(std::move(*error));
   }
   return hosted;
 }
 
-std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::fork(
-    SimulationRecord record, const HostedSimulation& original, const core::Limits& limits,
-    const EnvironmentServices& services, Store& store) {
+protocol::Expected<std::unique_ptr<HostedSimulation>> HostedSimulation::fork(SimulationRecord record,
+                                                                             const HostedSimulation& original,
+                                                                             const core::Limits& limits,
+                                                                             const EnvironmentServices& services,
+                                                                             Store& store) {
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
   if (auto error = hosted->build(original.simulation_->programs(), original.simulation_->options().palette, false)) {
-    return std::move(*error);
+    return tl::unexpected(std::move(*error));
   }
   if (auto error = hosted->simulation_->restore(original.snapshot())) {
-    return hosted->errorOf(*error);
+    return tl::unexpected(hosted->errorOf(*error));
   }
   if (auto error = hosted->save(true)) {
-    return std::move(*error);
+    return tl::unexpected(std::move(*error));
   }
   return hosted;
 }
 
-std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulation::load(
-    SimulationRecord record, std::string_view snapshot, const core::Limits& limits, const EnvironmentServices& services,
-    Store& store) {
+protocol::Expected<std::unique_ptr<HostedSimulation>> HostedSimulation::load(SimulationRecord record,
+                                                                             std::string_view snapshot,
+                                                                             const core::Limits& limits,
+                                                                             const EnvironmentServices& services,
+                                                                             Store& store) {
   auto read = simulation::readSnapshotInfo(snapshot);
   if (!read) {
-    return toError(read.error(), 0, limits);
+    return tl::unexpected(toError(read.error(), 0, limits));
   }
   auto& info = *read;
   PartMeter modelMemory;
@@ -225,15 +229,15 @@ std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> HostedSimulatio
     return simulation::compileModels(info, limits);
   }();
   if (!compiled) {
-    return toError(compiled.error().entries());
+    return tl::unexpected(toError(compiled.error().entries()));
   }
   std::unique_ptr<HostedSimulation> hosted(new HostedSimulation(std::move(record), limits, services, store));
   hosted->setModelBytes(modelMemory.net());
   if (auto error = hosted->build(std::move(*compiled), info.palette, true)) {
-    return std::move(*error);
+    return tl::unexpected(std::move(*error));
   }
   if (auto error = hosted->simulation_->restore(snapshot)) {
-    return hosted->errorOf(*error);
+    return tl::unexpected(hosted->errorOf(*error));
   }
   hosted->beginTrace();
   hosted->isSaved_ = true;

@@ -4,7 +4,6 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "engine/simulation/simulation.h"
@@ -26,17 +25,21 @@ class HostedSimulation {
  public:
   /// Builds the environment, goes to step 0 and saves. `palette` has the colours of the model folders. `limits` are the
   /// server's; the record can lower them. `interruption` can end this until the simulation is saved.
-  [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> create(
+  [[nodiscard]] static protocol::Expected<std::unique_ptr<HostedSimulation>> create(
       SimulationRecord record, simulation::Programs programs, files::Palette palette, const core::Limits& limits,
       const EnvironmentServices& services, Store& store, Interruption& interruption);
   /// Another simulation, by `record`, in the state of `original`, and saves it.
-  [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> fork(
-      SimulationRecord record, const HostedSimulation& original, const core::Limits& limits,
-      const EnvironmentServices& services, Store& store);
+  [[nodiscard]] static protocol::Expected<std::unique_ptr<HostedSimulation>> fork(SimulationRecord record,
+                                                                                  const HostedSimulation& original,
+                                                                                  const core::Limits& limits,
+                                                                                  const EnvironmentServices& services,
+                                                                                  Store& store);
   /// From the data folder. Environments in other processes may be away; stepping asks for them again.
-  [[nodiscard]] static std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> load(
-      SimulationRecord record, std::string_view snapshot, const core::Limits& limits,
-      const EnvironmentServices& services, Store& store);
+  [[nodiscard]] static protocol::Expected<std::unique_ptr<HostedSimulation>> load(SimulationRecord record,
+                                                                                  std::string_view snapshot,
+                                                                                  const core::Limits& limits,
+                                                                                  const EnvironmentServices& services,
+                                                                                  Store& store);
 
   [[nodiscard]] const SimulationRecord& record() const { return record_; }
   [[nodiscard]] simulation::Simulation& simulation() { return *simulation_; }

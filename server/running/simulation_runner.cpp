@@ -222,11 +222,11 @@ std::optional<protocol::Error> SimulationRunner::activate() {
       protocol::ErrorCode::Limit, "The server has not enough memory to read the simulation from the data folder.", {}};
   try {
     auto loaded = services_.load(id_);
-    if (auto* error = std::get_if<protocol::Error>(&loaded)) {
-      return std::move(*error);
+    if (!loaded) {
+      return std::move(loaded.error());
     }
     const std::lock_guard lock(mutex_);
-    hosted_ = std::move(std::get<std::unique_ptr<HostedSimulation>>(loaded));
+    hosted_ = std::move(*loaded);
     isPassive_ = false;
     return std::nullopt;
   } catch (const std::bad_alloc&) {

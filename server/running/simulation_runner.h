@@ -7,7 +7,6 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "protocol/errors.h"
@@ -46,7 +45,7 @@ struct RunnerServices {
   const ServerLimits* limits = nullptr;
   Account* account = nullptr;  // that the simulation counts for
   /// Reads a passive simulation from the data folder again.
-  std::function<std::variant<std::unique_ptr<HostedSimulation>, protocol::Error>(const std::string& id)> load;
+  std::function<protocol::Expected<std::unique_ptr<HostedSimulation>>(const std::string& id)> load;
   /// Makes other simulations passive, so that the account gets memory. False: none can be.
   std::function<bool(const SimulationRunner& needy)> makeRoom;
 };

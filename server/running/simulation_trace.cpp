@@ -41,12 +41,12 @@ std::optional<std::string> SimulationTrace::read(const std::string& folder, cons
   return file.is_open() && !file.bad() ? std::optional(std::move(bytes)) : std::nullopt;
 }
 
-std::variant<std::unique_ptr<SimulationTrace>, std::string> SimulationTrace::create(const std::string& folder,
+tl::expected<std::unique_ptr<SimulationTrace>, std::string> SimulationTrace::create(const std::string& folder,
                                                                                     const std::string& id) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) {
-    return "cannot make the folder of traces '" + folder + "': " + error.message() + ".";
+    return tl::unexpected("cannot make the folder of traces '" + folder + "': " + error.message() + ".");
   }
   std::uint64_t number = 1;
   while (fs::exists(pathOf(folder, id, number), error)) {
@@ -55,7 +55,7 @@ std::variant<std::unique_ptr<SimulationTrace>, std::string> SimulationTrace::cre
   const fs::path name = pathOf(folder, id, number);
   auto file = TraceFile::create(name.string());
   if (!file) {
-    return std::move(file.error());
+    return tl::unexpected(std::move(file.error()));
   }
   return std::unique_ptr<SimulationTrace>(new SimulationTrace(std::move(*file), name.string()));
 }

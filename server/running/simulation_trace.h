@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "engine/simulation/trace.h"
@@ -23,7 +23,7 @@ struct StoredTrace {
 class SimulationTrace {
  public:
   /// `FOLDER/ID-N.trace.zst` with the first free N. Makes the folder. An error sentence when that fails.
-  [[nodiscard]] static std::variant<std::unique_ptr<SimulationTrace>, std::string> create(const std::string& folder,
+  [[nodiscard]] static tl::expected<std::unique_ptr<SimulationTrace>, std::string> create(const std::string& folder,
                                                                                           const std::string& id);
 
   /// The traces of a simulation, by number. `folder` empty: there are none.

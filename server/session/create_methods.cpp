@@ -52,10 +52,10 @@ protocol::Expected<CompiledModels> compileModels(ServerCore& core, const protoco
   std::vector<files::Palette> palettes;
   for (const protocol::ModelParams& model : models) {
     auto compiled = core.models().compile(model, core.options().limits.simulation);
-    if (auto* error = std::get_if<protocol::Error>(&compiled)) {
-      return tl::unexpected(std::move(*error));
+    if (!compiled) {
+      return tl::unexpected(std::move(compiled.error()));
     }
-    auto& made = std::get<CompiledModel>(compiled);
+    auto& made = *compiled;
     const auto& entries = made.result.diagnostics.entries();
     if (made.result.program == nullptr) {
       return tl::unexpected(toError(entries));
@@ -91,17 +91,17 @@ protocol::CreateResult createResultOf(HostedSimulation& hosted) {
 protocol::Expected<std::string> forkSimulation(ServerCore& core, HostedSimulation& original, const std::string& session,
                                                const std::string& owner, const std::string& title) {
   auto reserved = core.reserve(session, owner);
-  if (auto* error = std::get_if<protocol::Error>(&reserved)) {
-    return tl::unexpected(std::move(*error));
+  if (!reserved) {
+    return tl::unexpected(std::move(reserved.error()));
   }
-  const std::string& name = std::get<std::string>(reserved);
+  const std::string& name = *reserved;
   SimulationRecord record = original.record();
   record.id = name;
   record.owner = owner;
   if (!title.empty()) {
     record.create.name = title;
   }
-  std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
+  protocol::Expected<std::unique_ptr<HostedSimulation>> made;
   try {
     made = HostedSimulation::fork(std::move(record), original, core.options().limits.simulation,
                                   core.environmentServices(), core.store());
@@ -109,11 +109,11 @@ protocol::Expected<std::string> forkSimulation(ServerCore& core, HostedSimulatio
     core.remove(name);
     throw;
   }
-  if (auto* error = std::get_if<protocol::Error>(&made)) {
+  if (!made) {
     core.remove(name);
-    return tl::unexpected(std::move(*error));
+    return tl::unexpected(std::move(made.error()));
   }
-  auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
+  auto& hosted = *made;
   const std::string result = protocol::encode(createResultOf(*hosted));
   core.add(name, std::move(hosted));
   return result;
@@ -211,13 +211,13 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   }
   const CompiledModels& models = *compiled;
   const auto reserved = core.reserve(session.id(), session.account().owner(), params.simulation);
-  if (const auto* error = std::get_if<protocol::Error>(&reserved)) {
-    session.respondError(id, *error);
+  if (!reserved) {
+    session.respondError(id, reserved.error());
     return;
   }
-  const std::string& name = std::get<std::string>(reserved);
+  const std::string& name = *reserved;
   SimulationRecord record = recordOf(std::move(params), models, name, session.account().owner());
-  std::variant<std::unique_ptr<HostedSimulation>, protocol::Error> made = protocol::Error{};
+  protocol::Expected<std::unique_ptr<HostedSimulation>> made;
   try {
     made =
         HostedSimulation::create(std::move(record), models.programs, models.palette, core.options().limits.simulation,
@@ -226,11 +226,11 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
     core.remove(name);
     throw;
   }
-  if (const auto* error = std::get_if<protocol::Error>(&made)) {
+  if (!made) {
     core.remove(name);
     switch (interruption.reason()) {
       case Interruption::Reason::None:
-        session.respondError(id, *error);
+        session.respondError(id, made.error());
         break;
       case Interruption::Reason::Cancelled:
         session.respondError(id, {ErrorCode::Cancelled, "Cancelled; nothing was created.", {}});
@@ -241,7 +241,7 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
     }
     return;
   }
-  auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
+  auto& hosted = *made;
   hosted->setModelBytes(modelMemory.net());
   const protocol::CreateResult result = resultWithWarnings(*hosted, models);
   core.add(name, std::move(hosted));
@@ -267,10 +267,10 @@ protocol::Expected<std::string> replaceSimulation(ServerCore& core, SimulationRu
   auto made = HostedSimulation::create(
       recordOf(std::move(params), *compiled, runner.id(), runner.hosted().record().owner), compiled->programs,
       compiled->palette, core.options().limits.simulation, core.environmentServices(), core.store(), ofTurn);
-  if (auto* error = std::get_if<protocol::Error>(&made)) {
-    return tl::unexpected(std::move(*error));
+  if (!made) {
+    return tl::unexpected(std::move(made.error()));
   }
-  auto& hosted = std::get<std::unique_ptr<HostedSimulation>>(made);
+  auto& hosted = *made;
   hosted->setModelBytes(modelMemory.net());
   if (!hosted->record().create.save.isKept) {
     // else the old one would be there again after a restart

@@ -164,10 +164,10 @@ Problem writeTurtle(SimulationRunner& runner, const protocol::GetParams& params,
   all.what = "turtle";
   all.select = params.select;
   const auto body = turtleBody(runner.hosted().simulation(), all);
-  if (const auto* error = std::get_if<core::SimulationError>(&body)) {
-    return runner.hosted().errorOf(*error);
+  if (!body) {
+    return runner.hosted().errorOf(body.error());
   }
-  result.raw(std::get<protocol::Body>(body).json);
+  result.raw(body->json);
   return std::nullopt;
 }
 

@@ -38,11 +38,11 @@ void compileModel(const Request& request, const protocol::ModelParams& params, b
     return models.compile(params, session.core().options().limits.simulation);
   };
   auto compiled = compileMetered();
-  if (const auto* error = std::get_if<protocol::Error>(&compiled)) {
-    session.respondError(request.id, *error);
+  if (!compiled) {
+    session.respondError(request.id, compiled.error());
     return;
   }
-  const auto& model = std::get<CompiledModel>(compiled);
+  const auto& model = *compiled;
   protocol::ModelResult result = resultOf(model);
   if (isKept && !result.isValid) {
     session.respondError(request.id, toError(model.result.diagnostics.entries()));
@@ -50,11 +50,11 @@ void compileModel(const Request& request, const protocol::ModelParams& params, b
   }
   if (isKept) {
     auto kept = models.keep(model);
-    if (const auto* error = std::get_if<protocol::Error>(&kept)) {
-      session.respondError(request.id, *error);
+    if (!kept) {
+      session.respondError(request.id, kept.error());
       return;
     }
-    result.model = std::get<std::string>(kept);
+    result.model = *kept;
     // it is kept as long as the server runs
     session.account().add(MemoryKind::Compiling, std::max<std::int64_t>(memory.net(), 0));
   }
@@ -165,11 +165,11 @@ void modelRead(const Request& request, protocol::ReadModelParams params) {
     model.model.gallery = params.gallery;
     // the compiler finds out which files it reads
     const auto compiled = self.session.core().models().compile(model, self.session.core().options().limits.simulation);
-    if (const auto* error = std::get_if<protocol::Error>(&compiled)) {
-      self.session.respondError(self.id, *error);
+    if (!compiled) {
+      self.session.respondError(self.id, compiled.error());
       return;
     }
-    const auto& found = std::get<CompiledModel>(compiled);
+    const auto& found = *compiled;
     if (found.result.program == nullptr) {
       self.session.respondError(self.id, toError(found.result.diagnostics.entries()));
       return;

@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
-#include <variant>
 
 #include "server/remote/partial_file.h"
 #include "server/store/database.h"
@@ -117,8 +116,8 @@ std::optional<std::string> restoreStore(const std::string& file, const std::stri
     return problem;
   }
   auto locked = lockFolder(folder);
-  if (const auto* problem = std::get_if<std::string>(&locked)) {
-    return *problem;
+  if (!locked) {
+    return std::move(locked.error());
   }
   for (const char* suffix : {"", "-wal"}) {
     const std::string old = (fs::path(folder) / (std::string(kStoreFile) + suffix)).string();

@@ -19,10 +19,10 @@ constexpr mode_t kOwnFolder = 0700;
 
 }  // namespace
 
-std::variant<FolderLock, std::string> lockFolder(const std::string& folder) {
+tl::expected<FolderLock, std::string> lockFolder(const std::string& folder) {
   const auto failure = [&folder](const std::string& reason) {
-    return "cannot use the data folder '" + folder + "': " + reason +
-           ". Give --data a folder that this user may read and write.";
+    return tl::unexpected("cannot use the data folder '" + folder + "': " + reason +
+                          ". Give --data a folder that this user may read and write.");
   };
   std::error_code error;
   if (fs::create_directories(folder, error)) {
@@ -41,9 +41,9 @@ std::variant<FolderLock, std::string> lockFolder(const std::string& folder) {
     delete last;
   });
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    return errno == EWOULDBLOCK
-               ? "the data folder '" + folder + "' is used by another server. Stop it, or give --data another folder."
-               : failure(std::generic_category().message(errno));
+    return errno == EWOULDBLOCK ? tl::unexpected("the data folder '" + folder +
+                                                 "' is used by another server. Stop it, or give --data another folder.")
+                                : failure(std::generic_category().message(errno));
   }
   return held;
 }

@@ -2,7 +2,7 @@
 
 #include <memory>
 #include <string>
-#include <variant>
+#include <tl/expected.hpp>
 
 namespace espalier::server {
 
@@ -13,7 +13,7 @@ inline constexpr const char* kStoreFile = "espalier.sqlite";
 using FolderLock = std::shared_ptr<const int>;
 
 /// Makes a data folder for this user alone, when it is missing, and locks it. Or an error sentence.
-[[nodiscard]] std::variant<FolderLock, std::string> lockFolder(const std::string& folder);
+[[nodiscard]] tl::expected<FolderLock, std::string> lockFolder(const std::string& folder);
 
 /// Makes a file that only this user can read, or takes the rights of others to it. A file that is not there and is not
 /// to be made (`isMade`) is no error. Returns 0 or an errno.

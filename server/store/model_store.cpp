@@ -201,9 +201,8 @@ void ModelStore::loadKept() {
   }
 }
 
-std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const std::string& whole,
-                                                                        const std::string& asked,
-                                                                        language::CompileInput input) const {
+protocol::Expected<CompiledModel> ModelStore::compileGallery(const std::string& whole, const std::string& asked,
+                                                             language::CompileInput input) const {
   // NAME/FILE:ENTRY
   const std::size_t slash = asked.empty() ? whole.find('/') : std::string::npos;
   const std::string name = whole.substr(0, slash);
@@ -212,22 +211,22 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const st
   if (!folder) {
     const auto names = galleryNames(galleryFolder_);
     const std::vector<std::string_view> views(names.begin(), names.end());
-    return protocol::Error{protocol::ErrorCode::NotFound,
-                           names.empty()
-                               ? "This server has no gallery. Start it with --gallery FOLDER, or send the source."
-                               : "There is no gallery model '" + name + "'. " + core::suggestName(name, views),
-                           {}};
+    return tl::unexpected(protocol::Error{
+        protocol::ErrorCode::NotFound,
+        names.empty() ? "This server has no gallery. Start it with --gallery FOLDER, or send the source."
+                      : "There is no gallery model '" + name + "'. " + core::suggestName(name, views),
+        {}});
   }
   // no path leads out of the folder; an entry may hold slashes
   const std::size_t colon = std::min(file.find(':'), file.size());
   const std::string inFolder = (*folder / fs::path(file.substr(0, colon)).filename()).string() + file.substr(colon);
   const auto found = findModelFiles(file.empty() ? folder->string() : inFolder);
   if (!found) {
-    return protocol::Error{protocol::ErrorCode::NotFound,
-                           "The gallery model '" + whole +
-                               "' cannot be used: " + withinGallery(galleryFolder_, found.error()) +
-                               ". model.list names the models of the gallery: NAME/FILE:ENTRY.",
-                           {}};
+    return tl::unexpected(protocol::Error{protocol::ErrorCode::NotFound,
+                                          "The gallery model '" + whole +
+                                              "' cannot be used: " + withinGallery(galleryFolder_, found.error()) +
+                                              ". model.list names the models of the gallery: NAME/FILE:ENTRY.",
+                                          {}});
   }
   DiskFileProvider files;
   CompiledModel compiled = compileFolder(*found, std::move(input), files);
@@ -248,17 +247,17 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compileGallery(const st
   return compiled;
 }
 
-std::variant<CompiledModel, protocol::Error> ModelStore::findLoaded(const std::string& name,
-                                                                    const core::Limits& limits) const {
+protocol::Expected<CompiledModel> ModelStore::findLoaded(const std::string& name, const core::Limits& limits) const {
   const std::lock_guard lock(mutex_);
   if (const auto found = loaded_.find(name); found != loaded_.end()) {
     return found->second;
   }
   const auto found = kept_.find(name);
   if (found == kept_.end()) {
-    return protocol::Error{protocol::ErrorCode::NotFound,
-                           "There is no loaded model '" + name + "'. Load it with model.load, or send its source.",
-                           {}};
+    return tl::unexpected(
+        protocol::Error{protocol::ErrorCode::NotFound,
+                        "There is no loaded model '" + name + "'. Load it with model.load, or send its source.",
+                        {}});
   }
   CompiledModel compiled = compileText(found->second, limits);
   if (compiled.result.program != nullptr) {
@@ -268,8 +267,8 @@ std::variant<CompiledModel, protocol::Error> ModelStore::findLoaded(const std::s
   return compiled;
 }
 
-std::variant<CompiledModel, protocol::Error> ModelStore::compile(const protocol::ModelParams& params,
-                                                                 const core::Limits& limits) const {
+protocol::Expected<CompiledModel> ModelStore::compile(const protocol::ModelParams& params,
+                                                      const core::Limits& limits) const {
   const protocol::ModelReference& model = params.model;
   if (model.loaded) {
     return findLoaded(*model.loaded, limits);
@@ -288,7 +287,7 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compile(const protocol:
   }
   const auto found = findModelFiles(model.files, model.main);
   if (!found) {
-    return protocol::memberError("params.model.files", found.error());
+    return tl::unexpected(protocol::memberError("params.model.files", found.error()));
   }
   core::MemoryFileProvider files(model.files);
   CompiledModel compiled = compileFolder(*found, std::move(input), files);
@@ -296,16 +295,16 @@ std::variant<CompiledModel, protocol::Error> ModelStore::compile(const protocol:
   return compiled;
 }
 
-std::variant<std::string, protocol::Error> ModelStore::keep(const CompiledModel& model) {
+protocol::Expected<std::string> ModelStore::keep(const CompiledModel& model) {
   const std::lock_guard lock(mutex_);
   const std::size_t count = loaded_.size() + kept_.size();
   if (count >= kMaximumLoaded) {
-    return protocol::limitError("loadedModels", count + 1, kMaximumLoaded,
-                                "Send the source with simulation.create instead.");
+    return tl::unexpected(protocol::limitError("loadedModels", count + 1, kMaximumLoaded,
+                                               "Send the source with simulation.create instead."));
   }
   std::string name = std::string(kNamePrefix) + std::to_string(lastNumber_ + 1);
   if (const auto problem = store_->saveModel(name, toText(model))) {
-    return protocol::Error{protocol::ErrorCode::Storage, *problem, {}};
+    return tl::unexpected(protocol::Error{protocol::ErrorCode::Storage, *problem, {}});
   }
   ++lastNumber_;
   loaded_.emplace(name, model);

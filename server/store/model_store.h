@@ -5,7 +5,6 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <variant>
 
 #include "engine/files/colour_files.h"
 #include "engine/language/compiler.h"
@@ -35,21 +34,19 @@ class ModelStore {
 
   /// Reads and compiles. An error when the reference itself is wrong (no such gallery model). A model from the wire can
   /// read only the files that came with it.
-  [[nodiscard]] std::variant<CompiledModel, protocol::Error> compile(const protocol::ModelParams& params,
-                                                                     const core::Limits& limits) const;
+  [[nodiscard]] protocol::Expected<CompiledModel> compile(const protocol::ModelParams& params,
+                                                          const core::Limits& limits) const;
 
   /// Keeps a program, on disk when there is a data folder, and returns its identifier. An error when there are
   /// kMaximumLoaded already.
-  [[nodiscard]] std::variant<std::string, protocol::Error> keep(const CompiledModel& model);
+  [[nodiscard]] protocol::Expected<std::string> keep(const CompiledModel& model);
 
  private:
   static constexpr std::size_t kMaximumLoaded = 1000;
 
-  [[nodiscard]] std::variant<CompiledModel, protocol::Error> findLoaded(const std::string& name,
-                                                                        const core::Limits& limits) const;
-  [[nodiscard]] std::variant<CompiledModel, protocol::Error> compileGallery(const std::string& name,
-                                                                            const std::string& file,
-                                                                            language::CompileInput input) const;
+  [[nodiscard]] protocol::Expected<CompiledModel> findLoaded(const std::string& name, const core::Limits& limits) const;
+  [[nodiscard]] protocol::Expected<CompiledModel> compileGallery(const std::string& name, const std::string& file,
+                                                                 language::CompileInput input) const;
 
   std::string galleryFolder_;
   Store* store_;

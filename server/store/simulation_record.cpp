@@ -53,18 +53,18 @@ std::string toText(const SimulationRecord& record) {
   return protocol::encodeNotification("simulation.create", params.take());
 }
 
-std::variant<SimulationRecord, std::string> toRecord(const std::string& id, std::string_view text) {
+tl::expected<SimulationRecord, std::string> toRecord(const std::string& id, std::string_view text) {
   while (!text.empty() && text.back() == '\n') {
     text.remove_suffix(1);
   }
   const auto message = protocol::decodeMessage(text);
   if (!message) {
-    return message.error().error.message;
+    return tl::unexpected(message.error().error.message);
   }
   const protocol::Payload& payload = message->payload;
   auto decoded = protocol::decodeCreateParams(payload);
   if (!decoded) {
-    return decoded.error().message;
+    return tl::unexpected(decoded.error().message);
   }
   SimulationRecord record;
   record.id = id;

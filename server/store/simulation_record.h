@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <tl/expected.hpp>
 
 #include "protocol/messages.h"
 
@@ -22,6 +22,6 @@ struct SimulationRecord {
 [[nodiscard]] std::string toText(const SimulationRecord& record);
 
 /// Reads the text of toText(), or says what is wrong with it.
-[[nodiscard]] std::variant<SimulationRecord, std::string> toRecord(const std::string& id, std::string_view text);
+[[nodiscard]] tl::expected<SimulationRecord, std::string> toRecord(const std::string& id, std::string_view text);
 
 }  // namespace espalier::server

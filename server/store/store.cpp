@@ -110,10 +110,10 @@ std::optional<std::string> Store::Implementation::open(std::uint64_t maximumByte
            ". Give --data a folder that this user may read and write.";
   };
   auto locked = lockFolder(folder_);
-  if (auto* problem = std::get_if<std::string>(&locked)) {
-    return std::move(*problem);
+  if (!locked) {
+    return std::move(locked.error());
   }
-  lock_ = std::move(std::get<FolderLock>(locked));
+  lock_ = std::move(*locked);
 
   const std::string file = (fs::path(folder_) / kStoreFile).string();
   // SQLite gives the log and its index the rights of the database
@@ -331,7 +331,7 @@ Store::Entry entryOf(const Database::Statement& row) {
 
 }  // namespace
 
-std::variant<std::vector<Store::Entry>, std::string> Store::simulations() const {
+tl::expected<std::vector<Store::Entry>, std::string> Store::simulations() const {
   std::vector<Entry> entries;
   if (implementation_ == nullptr) {
     return entries;
@@ -343,7 +343,7 @@ std::variant<std::vector<Store::Entry>, std::string> Store::simulations() const 
     }
   });
   if (failure) {
-    return *failure;
+    return tl::unexpected(*failure);
   }
   return entries;
 }

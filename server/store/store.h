@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -44,7 +44,7 @@ class Store {
     std::string owner{};  // the account that it counts for
   };
   /// By identifier, or why they cannot be read.
-  [[nodiscard]] std::variant<std::vector<Entry>, std::string> simulations() const;
+  [[nodiscard]] tl::expected<std::vector<Entry>, std::string> simulations() const;
   /// One of them, or why it cannot be read.
   [[nodiscard]] tl::expected<Entry, std::string> simulation(const std::string& id) const;
   /// Saves a new simulation, or another record and state of an old one.

@@ -123,10 +123,10 @@ protocol::Body bodyOf(const protocol::GeometryColumns& columns, const protocol::
 
 }  // namespace
 
-std::variant<protocol::Body, core::SimulationError> geometryBody(simulation::ViewDrawing& drawing) {
+tl::expected<protocol::Body, core::SimulationError> geometryBody(simulation::ViewDrawing& drawing) {
   const auto drawn = drawing.scene();
   if (!drawn) {
-    return drawn.error();
+    return tl::unexpected(drawn.error());
   }
   const turtle::ExportInput input{.scene = *drawn,
                                   .view = drawing.settings(),
@@ -136,9 +136,9 @@ std::variant<protocol::Body, core::SimulationError> geometryBody(simulation::Vie
   core::StringSink file;
   const turtle::ExportTarget target{.fileName = "plant.glb", .sink = file, .openCompanion = {}, .progress = {}};
   if (const auto problem = turtle::findExportFormat("glb")->write(input, target)) {
-    return core::SimulationError{.code = core::SimulationErrorCode::LimitExceeded,
-                                 .message = "The plants cannot be drawn: " + *problem,
-                                 .step = drawing.view().completedSteps};
+    return tl::unexpected(core::SimulationError{.code = core::SimulationErrorCode::LimitExceeded,
+                                                .message = "The plants cannot be drawn: " + *problem,
+                                                .step = drawing.view().completedSteps});
   }
   const std::string& bytes = file.text();
   std::vector<std::uint32_t> words(bytes.size() / sizeof(std::uint32_t));
@@ -153,12 +153,12 @@ std::uint64_t GeometryFrame::bytes() const {
   return wireBytes(*geometry);
 }
 
-std::variant<GeometryFrame, core::SimulationError> makeGeometryFrame(
+tl::expected<GeometryFrame, core::SimulationError> makeGeometryFrame(
     simulation::ViewDrawing& drawing, std::shared_ptr<const std::vector<std::string>> symbols,
     const protocol::StreamSelection& select) {
   auto drawn = drawing.scene();
   if (!drawn) {
-    return std::move(drawn.error());
+    return tl::unexpected(std::move(drawn.error()));
   }
   auto geometry = std::make_shared<turtle::Geometry>();
   const CommonSymbols common(drawing.view(), *symbols);
@@ -167,7 +167,7 @@ std::variant<GeometryFrame, core::SimulationError> makeGeometryFrame(
         std::move(*drawn), drawing.settings(),
         [&common](std::uint32_t plant, std::uint64_t module) { return common.of(plant, module); }, *geometry);
   } catch (const core::SimulationFailure& failure) {
-    return failure.error();
+    return tl::unexpected(failure.error());
   }
   if (!select.symbols.empty() || !select.plants.empty()) {
     *geometry = selected(*geometry, RowSelection(*symbols, select));

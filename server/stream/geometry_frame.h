@@ -4,7 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "engine/core/simulation_error.h"
@@ -16,7 +16,7 @@ namespace espalier::server {
 
 /// The body of a `geometry` frame: the plants as they are drawn now, a binary glTF file in the block `glb` (its bytes
 /// as little-endian `<u4`; a file's length is a multiple of four). The model's materials and surfaces are in it.
-[[nodiscard]] std::variant<protocol::Body, core::SimulationError> geometryBody(simulation::ViewDrawing& drawing);
+[[nodiscard]] tl::expected<protocol::Body, core::SimulationError> geometryBody(simulation::ViewDrawing& drawing);
 
 /// The plants as environments see them, with the names of the symbols. Never changes. Streams of differences keep it
 /// until their next frame.
@@ -29,7 +29,7 @@ struct GeometryFrame {
 };
 
 /// The segments and organs of a selection. `symbols` are those of the drawing. O(modules + vertices).
-[[nodiscard]] std::variant<GeometryFrame, core::SimulationError> makeGeometryFrame(
+[[nodiscard]] tl::expected<GeometryFrame, core::SimulationError> makeGeometryFrame(
     simulation::ViewDrawing& drawing, std::shared_ptr<const std::vector<std::string>> symbols,
     const protocol::StreamSelection& select);
 

@@ -31,18 +31,18 @@ bool isShort(const TurtleChange& change) {
 
 }  // namespace
 
-std::variant<protocol::Body, core::SimulationError> turtleBody(const simulation::Simulation& simulation,
+tl::expected<protocol::Body, core::SimulationError> turtleBody(const simulation::Simulation& simulation,
                                                                const protocol::StreamOpenParams& params) {
   const auto made = simulation.turtleRecords();
   if (!made) {
-    return made.error();
+    return tl::unexpected(made.error());
   }
   auto symbols = std::make_shared<const std::vector<std::string>>(simulation.symbolNames());
   try {
     return encodeTurtle(std::make_shared<const TurtleFrame>(makeTurtleFrame(*made, std::move(symbols), params.select)),
                         params);
   } catch (const protocol::NonFiniteNumber&) {
-    return nonFiniteError(simulation.completedSteps());
+    return tl::unexpected(nonFiniteError(simulation.completedSteps()));
   }
 }
 
@@ -51,7 +51,7 @@ std::uint64_t FrameBase::bytes() const {
          (geometry == nullptr ? 0 : geometry->bytes()) + (text == nullptr ? 0 : text->size());
 }
 
-std::variant<StreamFrame, core::SimulationError> FrameMaker::make(const protocol::StreamOpenParams& params,
+tl::expected<StreamFrame, core::SimulationError> FrameMaker::make(const protocol::StreamOpenParams& params,
                                                                   const FrameBase& base) {
   const auto found = std::find_if(made_.begin(), made_.end(), [&](const Made& made) {
     return wantTheSame(made.params, params) && made.base == base;
@@ -60,13 +60,13 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::make(const protocol
     return found->frame;
   }
   auto frame = makeNew(params, base);
-  if (const auto* good = std::get_if<StreamFrame>(&frame)) {
-    made_.push_back({params, base, *good});
+  if (frame) {
+    made_.push_back({params, base, *frame});
   }
   return frame;
 }
 
-std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const protocol::StreamOpenParams& params,
+tl::expected<StreamFrame, core::SimulationError> FrameMaker::makeNew(const protocol::StreamOpenParams& params,
                                                                      const FrameBase& base) {
   if (params.what == "statistics") {
     protocol::JsonWriter body;
@@ -85,19 +85,19 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeNew(const proto
     }
     return makeTurtle(params, base);
   } catch (const protocol::NonFiniteNumber&) {
-    return nonFiniteError(drawing_.view().completedSteps);
+    return tl::unexpected(nonFiniteError(drawing_.view().completedSteps));
   }
 }
 
-std::variant<StreamFrame, core::SimulationError> FrameMaker::makeTurtle(const protocol::StreamOpenParams& params,
+tl::expected<StreamFrame, core::SimulationError> FrameMaker::makeTurtle(const protocol::StreamOpenParams& params,
                                                                         const FrameBase& base) {
   StreamFrame result;
   if (params.isDelta && params.select == protocol::StreamSelection{}) {
     auto made = chain();
-    if (auto* error = std::get_if<core::SimulationError>(&made)) {
-      return std::move(*error);
+    if (!made) {
+      return tl::unexpected(std::move(made.error()));
     }
-    result.base.chain = std::get<std::shared_ptr<const turtle::RecordChain>>(made);
+    result.base.chain = *made;
     if (base.chain != nullptr && result.base.chain != nullptr && base.chain->programs == result.base.chain->programs) {
       TurtleChange change = differenceOf(*base.chain, *result.base.chain, symbols_);
       if (isShort(change)) {
@@ -108,10 +108,10 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeTurtle(const pr
     }
   }
   auto made = turtle(params.select);
-  if (auto* error = std::get_if<core::SimulationError>(&made)) {
-    return std::move(*error);
+  if (!made) {
+    return tl::unexpected(std::move(made.error()));
   }
-  const auto& frame = std::get<std::shared_ptr<const TurtleFrame>>(made);
+  const auto& frame = *made;
   if (params.isDelta && result.base.chain == nullptr) {
     result.base.turtle = frame;
     if (base.turtle != nullptr && *base.turtle->symbols == *frame->symbols) {
@@ -129,19 +129,19 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeTurtle(const pr
   return result;
 }
 
-std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> FrameMaker::chain() {
+tl::expected<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> FrameMaker::chain() {
   // one for all viewers
   if (!chain_) {
     auto made = drawing_.recordChain();
     if (!made) {
-      return std::move(made.error());
+      return tl::unexpected(std::move(made.error()));
     }
     chain_ = std::move(*made);
   }
   return *chain_;
 }
 
-std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMaker::turtle(
+tl::expected<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMaker::turtle(
     const protocol::StreamSelection& select) {
   const auto found =
       std::find_if(turtles_.begin(), turtles_.end(), [&](const Turtle& made) { return made.select == select; });
@@ -155,7 +155,7 @@ std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMak
   if (!records_) {
     auto made = drawing_.turtleRecords();
     if (!made) {
-      return std::move(made.error());
+      return tl::unexpected(std::move(made.error()));
     }
     records_ = std::move(*made);
   }
@@ -164,20 +164,20 @@ std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> FrameMak
   return frame;
 }
 
-std::variant<StreamFrame, core::SimulationError> FrameMaker::makeGeometry(const protocol::StreamOpenParams& params,
+tl::expected<StreamFrame, core::SimulationError> FrameMaker::makeGeometry(const protocol::StreamOpenParams& params,
                                                                           const FrameBase& base) {
   if (params.format == "glb") {
     auto body = geometryBody(drawing_);
-    if (auto* error = std::get_if<core::SimulationError>(&body)) {
-      return std::move(*error);
+    if (!body) {
+      return tl::unexpected(std::move(body.error()));
     }
-    return StreamFrame{std::move(std::get<protocol::Body>(body)), true, {}};
+    return StreamFrame{std::move(*body), true, {}};
   }
   auto made = geometry(params.select);
-  if (auto* error = std::get_if<core::SimulationError>(&made)) {
-    return std::move(*error);
+  if (!made) {
+    return tl::unexpected(std::move(made.error()));
   }
-  const auto& frame = std::get<std::shared_ptr<const GeometryFrame>>(made);
+  const auto& frame = *made;
   StreamFrame result;
   if (params.isDelta) {
     result.base.geometry = frame;
@@ -191,7 +191,7 @@ std::variant<StreamFrame, core::SimulationError> FrameMaker::makeGeometry(const 
   return result;
 }
 
-std::variant<std::shared_ptr<const GeometryFrame>, core::SimulationError> FrameMaker::geometry(
+tl::expected<std::shared_ptr<const GeometryFrame>, core::SimulationError> FrameMaker::geometry(
     const protocol::StreamSelection& select) {
   const auto found =
       std::find_if(geometries_.begin(), geometries_.end(), [&](const Geometry& made) { return made.select == select; });
@@ -199,10 +199,10 @@ std::variant<std::shared_ptr<const GeometryFrame>, core::SimulationError> FrameM
     return found->frame;
   }
   auto made = makeGeometryFrame(drawing_, symbols_, select);
-  if (auto* error = std::get_if<core::SimulationError>(&made)) {
-    return std::move(*error);
+  if (!made) {
+    return tl::unexpected(std::move(made.error()));
   }
-  geometries_.push_back({select, std::make_shared<const GeometryFrame>(std::move(std::get<GeometryFrame>(made)))});
+  geometries_.push_back({select, std::make_shared<const GeometryFrame>(std::move(*made))});
   return geometries_.back().frame;
 }
 

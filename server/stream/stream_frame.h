@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "engine/core/simulation_error.h"
@@ -49,7 +49,7 @@ class FrameMaker {
         symbols_(std::make_shared<const std::vector<std::string>>(drawing.symbolNames())) {}
 
   /// The difference from `base` when the stream wants differences and it is shorter, else a key frame.
-  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> make(const protocol::StreamOpenParams& params,
+  [[nodiscard]] tl::expected<StreamFrame, core::SimulationError> make(const protocol::StreamOpenParams& params,
                                                                       const FrameBase& base);
 
  private:
@@ -67,16 +67,16 @@ class FrameMaker {
     StreamFrame frame;
   };
 
-  [[nodiscard]] std::variant<std::shared_ptr<const TurtleFrame>, core::SimulationError> turtle(
+  [[nodiscard]] tl::expected<std::shared_ptr<const TurtleFrame>, core::SimulationError> turtle(
       const protocol::StreamSelection& select);
-  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeNew(const protocol::StreamOpenParams& params,
+  [[nodiscard]] tl::expected<StreamFrame, core::SimulationError> makeNew(const protocol::StreamOpenParams& params,
                                                                          const FrameBase& base);
-  [[nodiscard]] std::variant<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> chain();
-  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeTurtle(const protocol::StreamOpenParams& params,
+  [[nodiscard]] tl::expected<std::shared_ptr<const turtle::RecordChain>, core::SimulationError> chain();
+  [[nodiscard]] tl::expected<StreamFrame, core::SimulationError> makeTurtle(const protocol::StreamOpenParams& params,
                                                                             const FrameBase& base);
-  [[nodiscard]] std::variant<StreamFrame, core::SimulationError> makeGeometry(const protocol::StreamOpenParams& params,
+  [[nodiscard]] tl::expected<StreamFrame, core::SimulationError> makeGeometry(const protocol::StreamOpenParams& params,
                                                                               const FrameBase& base);
-  [[nodiscard]] std::variant<std::shared_ptr<const GeometryFrame>, core::SimulationError> geometry(
+  [[nodiscard]] tl::expected<std::shared_ptr<const GeometryFrame>, core::SimulationError> geometry(
       const protocol::StreamSelection& select);
   [[nodiscard]] StreamFrame makeText(const protocol::StreamOpenParams& params, const FrameBase& base);
 
@@ -93,7 +93,7 @@ class FrameMaker {
 };
 
 /// The turtle records of a simulation as they are now, as simulation.get tells them.
-[[nodiscard]] std::variant<protocol::Body, core::SimulationError> turtleBody(const simulation::Simulation& simulation,
+[[nodiscard]] tl::expected<protocol::Body, core::SimulationError> turtleBody(const simulation::Simulation& simulation,
                                                                              const protocol::StreamOpenParams& params);
 
 }  // namespace espalier::server

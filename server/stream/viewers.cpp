@@ -172,7 +172,7 @@ void Viewers::show(const Waiting& waiting, TurnMeter& meter) {
 
 void Viewers::showTo(Stream& stream, FrameMaker& maker, TurnMeter& meter) {
   const simulation::PlantsView& view = drawing_.view();
-  std::variant<StreamFrame, core::SimulationError> frame = core::SimulationError{};
+  tl::expected<StreamFrame, core::SimulationError> frame;
   try {
     frame = maker.make(stream.params(), stream.base());
   } catch (const std::bad_alloc&) {
@@ -181,14 +181,14 @@ void Viewers::showTo(Stream& stream, FrameMaker& maker, TurnMeter& meter) {
     (void)meter.tryAgain();
     return;
   }
-  if (const auto* error = std::get_if<core::SimulationError>(&frame)) {
+  if (!frame) {
     stream.end(meter.isRefused()   ? memoryProblem(meter)
                : meter.isStopped() ? "The frames of this state compute longer than the limit callSeconds (" +
                                          std::to_string(options_.callSeconds) +
                                          ") allows. Select fewer symbols, or draw less in homomorphism productions."
-                                   : error->message);
+                                   : frame.error().message);
   } else {
-    stream.send(view.completedSteps, view.isFinished, std::move(std::get<StreamFrame>(frame)));
+    stream.send(view.completedSteps, view.isFinished, std::move(*frame));
   }
 }
 

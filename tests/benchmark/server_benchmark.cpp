@@ -306,7 +306,7 @@ void viewBigPlant(benchmark::State& state, std::string_view model, bool isDelta)
   const auto makeFrame = [&] {
     drawing.show(simulation->takeView());
     server::FrameMaker maker(drawing, 0.0, nullptr);
-    return std::get<server::StreamFrame>(maker.make(params, base));
+    return maker.make(params, base).value();
   };
   const auto beginning = Clock::now();
   base = makeFrame().base;

@@ -105,13 +105,13 @@ class Watched {
     input.modelFile = "tree.l";
     const auto compiled = language::compile(input, files);
     server::SimulationRecord record;
-    record.id = std::get<std::string>(core.reserve("", ""));
+    record.id = core.reserve("", "").value();
     record.create.plants.emplace_back();
     record.create.environmentJson = hasQueries ? R"([{"type":"constant","values":[1]}])" : "";
     server::Interruption interruption;
     auto hosted = server::HostedSimulation::create(record, {compiled.program}, {}, core.options().limits.simulation,
                                                    core.environmentServices(), core.store(), interruption);
-    core.add(record.id, std::move(std::get<std::unique_ptr<server::HostedSimulation>>(hosted)));
+    core.add(record.id, std::move(hosted.value()));
     runner_ = core.find(record.id);
     // until nothing but the organs changes
     (void)step(20);

@@ -11,7 +11,6 @@
 #include <map>
 #include <sstream>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "engine/turtle/export/picture/png.h"

@@ -5,7 +5,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <utility>
-#include <variant>
 
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"

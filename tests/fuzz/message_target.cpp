@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <string>
-#include <variant>
 
 #include "engine/core/check.h"
 #include "protocol/codec.h"

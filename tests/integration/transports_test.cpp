@@ -3,7 +3,6 @@
 #include <fstream>
 #include <memory>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "engine/language/compiler.h"

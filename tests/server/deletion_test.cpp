@@ -84,9 +84,7 @@ class Deletion : public testing::Test {
     begun_.get_future().wait();
   }
   void endLongTurn() { end_.set_value(); }
-  [[nodiscard]] std::size_t saved() const {
-    return std::get<std::vector<Store::Entry>>(core_.store().simulations()).size();
-  }
+  [[nodiscard]] std::size_t saved() const { return core_.store().simulations().value().size(); }
 
   static ServerOptions options(const std::string& folder) {
     ServerOptions options;

@@ -67,7 +67,7 @@ TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {
   ServerCore core(quietOptions());
   const auto make = [&core]() {
     SimulationRecord record;
-    record.id = std::get<std::string>(core.reserve("1", "local"));
+    record.id = core.reserve("1", "local").value();
     core::MemoryFileProvider files({{"model.l", std::string(kGrowth)}});
     language::CompileInput input;
     input.modelFile = "model.l";
@@ -75,7 +75,7 @@ TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {
     auto made = HostedSimulation::create(record, {language::compile(input, files).program}, {},
                                          core.options().limits.simulation, core.environmentServices(), core.store(),
                                          interruption);
-    core.add(record.id, std::move(std::get<std::unique_ptr<HostedSimulation>>(made)));
+    core.add(record.id, std::move(made.value()));
     return core.find(record.id);
   };
   const auto broken = make();

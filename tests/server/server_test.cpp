@@ -211,7 +211,7 @@ TEST(Server, ADamagedSimulationIsListedWithItsReasonAndCanBeDeleted) {
     ASSERT_EQ(store.open(), std::nullopt);
     ASSERT_EQ(store.save({"sim-broken", "{}", 4}, "no snapshot"), std::nullopt);
     const auto simulations = store.simulations();
-    for (Store::Entry entry : std::get<std::vector<Store::Entry>>(simulations)) {
+    for (Store::Entry entry : simulations.value()) {
       if (entry.id == simulation) {
         entry.id = "sim-cut";
         ASSERT_EQ(store.save(entry, "no snapshot"), std::nullopt);

@@ -3,7 +3,6 @@
 #include <iostream>
 #include <memory>
 #include <utility>
-#include <variant>
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"

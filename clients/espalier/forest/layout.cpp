@@ -5,7 +5,6 @@
 #include <memory>
 #include <numbers>
 #include <unordered_map>
-#include <variant>
 
 #include "engine/core/check.h"
 #include "engine/core/elementary.h"

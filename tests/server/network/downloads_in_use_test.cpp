@@ -23,7 +23,7 @@ class DownloadsInUse : public testing::Test {
 
   DownloadsInUse() {
     SimulationRecord record;
-    record.id = std::get<std::string>(core_.reserve("1", "owner"));
+    record.id = core_.reserve("1", "owner").value();
     record.owner = "owner";
     core::MemoryFileProvider files({{"model.l", std::string(kBush)}});
     language::CompileInput input;
@@ -32,7 +32,7 @@ class DownloadsInUse : public testing::Test {
     auto made = HostedSimulation::create(record, {language::compile(input, files).program}, {},
                                          core_.options().limits.simulation, core_.environmentServices(), core_.store(),
                                          interruption);
-    core_.add(record.id, std::move(std::get<std::unique_ptr<HostedSimulation>>(made)));
+    core_.add(record.id, std::move(made.value()));
     name_ = record.id;
   }
   ~DownloadsInUse() override { core_.waitForWorkers(); }

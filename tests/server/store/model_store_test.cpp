@@ -36,11 +36,11 @@ class Models : public testing::Test {
  protected:
   CompiledModel compiled(const protocol::ModelParams& params) {
     auto made = models_.compile(params, {});
-    if (auto* error = std::get_if<protocol::Error>(&made)) {
-      ADD_FAILURE() << error->message;
+    if (!made) {
+      ADD_FAILURE() << made.error().message;
       return {};
     }
-    return std::get<CompiledModel>(std::move(made));
+    return *std::move(made);
   }
   Store store_{""};
   ModelStore models_{"", store_};
@@ -72,8 +72,8 @@ TEST_F(Models, AFolderWithoutAModelIsRefused) {
   protocol::ModelParams params;
   params.model.files = {{"readme.txt", "nothing"}};
   const auto made = models_.compile(params, {});
-  ASSERT_TRUE(std::holds_alternative<protocol::Error>(made));
-  EXPECT_NE(std::get<protocol::Error>(made).message.find("holds no L-system file (.l)"), std::string::npos);
+  ASSERT_FALSE(made.has_value());
+  EXPECT_NE(made.error().message.find("holds no L-system file (.l)"), std::string::npos);
 }
 
 TEST_F(Models, MessagesAboutTheGalleryDoNotSayWhereItIs) {
@@ -86,12 +86,13 @@ TEST_F(Models, MessagesAboutTheGalleryDoNotSayWhereItIs) {
   protocol::ModelParams params;
   params.model.gallery = "broken";
   const auto made = models.compile(params, {});
-  const auto& entries = std::get<CompiledModel>(made).result.diagnostics.entries();
+  const auto& entries = made.value().result.diagnostics.entries();
   ASSERT_FALSE(entries.empty());
   EXPECT_EQ(entries[0].location.file, "broken/broken.l");
   params.model.gallery = "empty";
   const auto missing = models.compile(params, {});
-  EXPECT_EQ(std::get<protocol::Error>(missing).message,
+  ASSERT_FALSE(missing.has_value());
+  EXPECT_EQ(missing.error().message,
             "The gallery model 'empty' cannot be used: the folder 'empty' holds no L-system file (.l): give another "
             "folder, or the file itself. model.list names the models of the gallery: NAME/FILE:ENTRY.");
 }

@@ -32,7 +32,7 @@ std::unique_ptr<Store> openStore(const std::string& folder, std::uint64_t maximu
 }
 
 std::vector<Store::Entry> entriesOf(const Store& store) {
-  return std::get<std::vector<Store::Entry>>(store.simulations());
+  return store.simulations().value();
 }
 
 TEST(Compression, GivesTheBytesBackAndSeesDamage) {
