@@ -183,6 +183,23 @@ std::vector<std::string> elementaryFunctionsOfTheCLibrary(const std::vector<Sour
   return breaches;
 }
 
+std::vector<std::string> failuresInVariants(const std::vector<SourceFile>& files) {
+  static const std::regex kFailure(R"(std::variant<[^;{}()]*,\s*(\w+::)*(\w*Error|DiagnosticList|string)\s*>)");
+  std::vector<std::string> breaches;
+  for (const SourceFile& file : files) {
+    const bool isExempt = startsWith(file.name, "tests/") || startsWith(file.name, "engine/turtle/export/text/mtg");
+    if (!isCpp(file) || isExempt) {
+      continue;
+    }
+    const std::string code = withoutCommentsAndLiterals(file.text);
+    for (auto match = std::sregex_iterator(code.begin(), code.end(), kFailure); match != std::sregex_iterator();
+         ++match) {
+      breaches.push_back(file.name + " uses " + match->str() + ": use tl::expected");
+    }
+  }
+  return breaches;
+}
+
 std::vector<std::string> longFiles(const std::vector<SourceFile>& files) {
   constexpr std::ptrdiff_t kMostLines = 700;
   std::vector<std::string> breaches;

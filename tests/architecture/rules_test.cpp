@@ -45,6 +45,10 @@ TEST(Architecture, OwnModeUsesNoElementaryFunctionOfTheCLibrary) {
   EXPECT_EQ(lines(elementaryFunctionsOfTheCLibrary(tree())), "");
 }
 
+TEST(Architecture, NoFailureIsTheLastOfAVariant) {
+  EXPECT_EQ(lines(failuresInVariants(tree())), "");
+}
+
 TEST(Architecture, CodeFilesAreShort) {
   EXPECT_EQ(lines(longFiles(tree())), "");
 }
@@ -129,6 +133,20 @@ TEST(ArchitectureRules, ElementaryFunctionOfTheCLibraryIsSeen) {
                                               {"engine/core/elementary.h", "std::sin(a)"},
                                               {"server/a.cpp", "std::sin(a)"},
                                               {"engine/a.cpp", "core::sin(a) + std::sqrt(a); // std::sin(a)"}}),
+            Breaches{});
+}
+
+TEST(ArchitectureRules, AFailureInAVariantIsSeen) {
+  EXPECT_EQ(failuresInVariants({{"server/a.h", "std::variant<std::string, protocol::Error> f();"}}),
+            Breaches{"server/a.h uses std::variant<std::string, protocol::Error>: use tl::expected"});
+  EXPECT_EQ(failuresInVariants({{"engine/a.cpp", "std::variant<std::map<int, int>,\n    std::string> f();"}}).size(),
+            1U);
+  EXPECT_EQ(failuresInVariants({{"clients/espalier/a.h", "std::variant<Programs, core::DiagnosticList> f();"}}).size(),
+            1U);
+  // kinds of values are no failures
+  EXPECT_EQ(failuresInVariants({{"environment/a.h",
+                                 "std::variant<double, std::string, std::vector<std::string>> value;\n"
+                                 "std::variant<Tcp, Tls> stream; std::function<void(int, std::string)> done;"}}),
             Breaches{});
 }
 
