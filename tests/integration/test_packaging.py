@@ -23,6 +23,38 @@ from espalier import viewing  # noqa: E402
 
 DEBIAN = REPOSITORY / "clients" / "packaging" / "debian"
 
+# what every shell offers behind a line
+OFFERS = {"deri": ["derive"], "self-": ["self-test"], "derive --comp": ["--compat"], "derive --compat ": ["cpfg", "cpfg-batch"],
+          "connect 127.0.0.1:1 st": ["status", "step", "stream"], "token new --ro": ["--role"], "derive tr": ["tree.l"]}
+
+# A zsh at a prompt of a pseudo-terminal: it reads the completions of the folder $1 as an installed one does, gets the other arguments as
+# lines with a tab behind them, and prints what it would offer for each. Every completion ends in compadd; with -O, -A or -D it only asks
+ZSH = r"""
+folder=$1; shift
+zmodload zsh/zpty
+zpty inner zsh -f -i
+zpty -w inner "
+PROMPT= RPROMPT=; stty -echo; unsetopt zle_bracketed_paste 2>/dev/null
+fpath=($folder \$fpath); autoload -Uz compinit; compinit -u -D
+compadd() { if [[ \${@[1,(i)(-|--)]} == *-(O|A|D)\ * ]]; then builtin compadd \"\$@\"; return; fi
+  local -a found; builtin compadd -A found \"\$@\"; (( \$#found )) && print -l -- \"<offer>\"\${^found}\"</offer>\"; builtin compadd \"\$@\"; }
+offers() { _main_complete; compstate[insert]=; compstate[list]= }
+zle -C offers complete-word offers
+next() { print -r -- '<next>'; zle kill-whole-line }
+zle -N next
+bindkey '^I' offers; bindkey '^X' next
+print -r -- '<ready>'"
+zpty -r inner text '*<ready>*' >/dev/null
+for line; do
+  zpty -n -w inner "$line"$'\t'$'\x18'
+  all=
+  while zpty -r inner text 2>/dev/null; do all+=$text; [[ $text == *'<next>'* ]] && break; done
+  print -r -- "$all" | tr -d '\r' | grep -o '<offer>[^<]*</offer>' | sed 's/<[^>]*>//g' | sort -u | tr '\n' ' '
+  print
+done
+zpty -d inner
+"""
+
 
 class FromHelp(unittest.TestCase):
     table: ClassVar[List[command_table.Command]]
@@ -78,17 +110,27 @@ class FromHelp(unittest.TestCase):
         self.assertEqual(self.completed("token", "new", "--ro"), ["--role"])
         self.assertEqual(self.completed("derive", "esp"), ["espalier"])
 
-    def test_zsh_and_fish_read_theirs(self) -> None:
-        for shell, words, text in (("zsh", ["-n"], make_completions.zsh(self.table)),
-                                   ("fish", ["--no-execute"], make_completions.fish(self.table))):
-            for command in ("derive", "self-test"):
-                self.assertIn(command, text)
-            if shutil.which(shell):
-                with tempfile.NamedTemporaryFile("w", suffix=shell, encoding="utf-8") as file:
-                    file.write(text)
-                    file.flush()
-                    done = subprocess.run([shell, *words, file.name], capture_output=True, text=True, timeout=SECONDS, check=False)
-                self.assertEqual((done.returncode, done.stderr), (0, ""), shell)
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is not installed (Debian: zsh)")
+    def test_zsh_completes_at_its_prompt(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "_espalier").write_text(make_completions.zsh(self.table), encoding="utf-8")
+            (Path(folder) / "tree.l").write_text("", encoding="utf-8")
+            lines = [f"espalier {line}" for line in OFFERS]
+            done = subprocess.run(["zsh", "-f", "-c", ZSH, "zsh", folder, *lines], capture_output=True, text=True, timeout=5 * SECONDS,
+                                  check=True, cwd=folder, stdin=subprocess.DEVNULL)
+        self.assertEqual([line.split() for line in done.stdout.splitlines()], list(OFFERS.values()), done.stdout + done.stderr)
+
+    @unittest.skipUnless(shutil.which("fish"), "fish is not installed (Debian: fish)")
+    def test_fish_completes(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "espalier.fish").write_text(make_completions.fish(self.table), encoding="utf-8")
+            (Path(folder) / "tree.l").write_text("", encoding="utf-8")
+            text = "source espalier.fish\n" + "".join(f"complete -C 'espalier {line}'; echo '<next>'\n" for line in OFFERS)
+            done = subprocess.run(["fish", "--no-config", "-c", text], capture_output=True, text=True, timeout=5 * SECONDS, check=True,
+                                  cwd=folder, env={**os.environ, "HOME": folder}, stdin=subprocess.DEVNULL)
+        # behind a tab stands what it means
+        offers = [sorted(entry.split("\t")[0] for entry in part.splitlines() if entry) for part in done.stdout.split("<next>")[:-1]]
+        self.assertEqual(offers, list(OFFERS.values()), done.stdout + done.stderr)
 
 
 class Libraries(unittest.TestCase):
