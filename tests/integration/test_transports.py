@@ -505,6 +505,10 @@ class EnvironmentCheck(unittest.TestCase):
             self.assertIn(line, found.splitlines())
         self.assertRegex(found, r"queries +median ms +99 % ms +queries/s\n +1 +[0-9.]+ +[0-9.]+ +\d+\n")
 
+    def test_one_that_starts_slowly_as_on_a_busy_machine(self) -> None:
+        slow = ("import time\ntime.sleep(2.2)\nclass Slow(Environment):\n    def answer(self, query):\n        return [1]\nSlow.serve()\n")
+        self.assertIn("ok    describe: slow, needs", self.check(slow))
+
     def test_built_ins_are_right(self) -> None:
         for name in ("height", "honda", "density3d"):
             found = espalier("environment", "check", f"stdio:'{program()}' environment {name} --stdio").stdout

@@ -271,7 +271,9 @@ void addCheckOfOther(CLI::App& environment, int& status) {
   command->add_option("--trace", options->traceFile, "Trace file that derive, run or a server recorded");
   command->add_option("--configuration", options->configurationFile,
                       "JSON file with the configuration for environment.open");
-  command->add_option("--timeout", options->timeoutSeconds, "Longest time for a step, in seconds")
+  command
+      ->add_option("--timeout", options->timeoutSeconds,
+                   "Longest time for a step, in seconds; for the first answer at most 20")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   command->callback([options, &status] { status = checkOther(*options); });

@@ -21,6 +21,8 @@ using turtle::ReplyBatch;
 
 // for the steps of one size
 constexpr std::chrono::seconds kMeasuredSeconds{5};
+// an interpreter starts slowly on a busy machine; a program that never answers hello is rare, and its author waits
+constexpr std::chrono::milliseconds kLongestIntroduction{20'000};
 
 /// Queries at different places, all with as many parameters. Every coordinate has all its digits.
 QueryBatch makeQueries(std::size_t count, std::size_t parameterCount, std::uint64_t step) {
@@ -156,12 +158,14 @@ class Checker {
     constexpr std::string_view kStdio = "stdio:";
     constexpr std::string_view kUnix = "unix:";
     const std::string& address = options_.address;
+    ChannelOptions channel;
+    channel.introductionTimeout = std::min(options_.stepTimeout, kLongestIntroduction);
     if (address.starts_with(kTcp)) {
-      link_ = ChannelLink::tcp(address.substr(kTcp.size()), {});
+      link_ = ChannelLink::tcp(address.substr(kTcp.size()), channel);
     } else if (address.starts_with(kUnix)) {
-      link_ = ChannelLink::unixSocket(address.substr(kUnix.size()), {});
+      link_ = ChannelLink::unixSocket(address.substr(kUnix.size()), channel);
     } else if (address.starts_with(kStdio)) {
-      link_ = ChannelLink::stdio(address.substr(kStdio.size()), {});
+      link_ = ChannelLink::stdio(address.substr(kStdio.size()), channel);
     } else {
       bad("'" + address +
           "' does not name an environment in another process. Write tcp://HOST:PORT, unix:PATH or "
@@ -170,6 +174,7 @@ class Checker {
     }
     RemoteProcessOptions options;
     options.stepTimeout = options_.stepTimeout;
+    options.introductionTimeout = channel.introductionTimeout;
     options.configurationJson = options_.configurationJson;
     process_ = std::make_unique<RemoteProcess>(link_, std::move(options));
     if (const auto error = process_->introduce()) {
