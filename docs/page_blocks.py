@@ -16,13 +16,15 @@ import typing
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-SECONDS = 120
+SECONDS = 300
 # kinds that are data or text to look at: they need a remark that says what they are
 REMARKS = ("file", "output", "messages", "background", "fails", "shown")
 # files whose text is read when they are written
 DATA: dict[str, typing.Callable[[str], object]] = {".json": json.loads, ".toml": tomllib.loads, ".py": ast.parse}
 # addresses of pages; each page that runs gets free ports instead
 PORTS = ("4321", "8080", "4000")
+# what runs a block, by the word behind its fence
+RUN = {"sh": ["bash", "-euo", "pipefail", "-c"], "python": ["python3", "-c"], "r": ["Rscript", "-e"]}
 
 
 class Block(typing.NamedTuple):
@@ -40,13 +42,17 @@ class PageError(Exception):
 def blocks(page: str) -> list[Block]:
     """All fenced blocks of a page, in order."""
     found = []
+    # language -> reason
+    shown = dict(re.findall(r"^<!-- every (\w+) is shown (.+) -->$", page, re.MULTILINE))
     pattern = re.compile(r"(?:^[ ]*<!-- (?P<remark>[a-z]+)(?: (?P<value>[^\n]*?))? -->\n)?"
                          r"^(?P<indent>[ ]*)```(?P<language>\w*)\n(?P<text>.*?)^[ ]*```$", re.MULTILINE | re.DOTALL)
     for match in pattern.finditer(page):
         remark = match["remark"] if match["remark"] in REMARKS else ""
+        value = match["value"] or "" if remark else ""
+        if not remark and match["language"] in shown:
+            remark, value = "shown", shown[match["language"]]
         text = re.sub(rf"^{match['indent']}", "", match["text"], flags=re.MULTILINE)
-        found.append(Block(page.count("\n", 0, match.start("language")) + 1, match["language"], remark,
-                           match["value"] or "" if remark else "", text))
+        found.append(Block(page.count("\n", 0, match.start("language")) + 1, match["language"], remark, value, text))
     return found
 
 
@@ -62,9 +68,10 @@ def missing(page: str) -> list[str]:
 
 
 def problems(page: str) -> list[str]:
-    """Blocks of which the page does not say what they are."""
+    """Blocks of which the page does not say what they are, or not why they do not run."""
     return [f"line {block.line}: say what the block is: a command (```sh), a program (```python), or a remark in front of it"
-            for block in blocks(page) if not block.remark and block.language not in ("sh", "python")]
+            for block in blocks(page) if not block.remark and block.language not in RUN] + [
+            f"line {block.line}: say why the block is not run" for block in blocks(page) if block.remark == "shown" and not block.value]
 
 
 def name_of(page: Path) -> str:
@@ -105,6 +112,10 @@ class Run:
         (tools / "python3").symlink_to(sys.executable)
         self.variables = {**os.environ, "PATH": f"{tools}:{os.environ['PATH']}", "HOME": str(folder), "LC_ALL": "C.UTF-8",
                           "PYTHONPATH": str(ROOT / "clients" / "python"), "PYTHONDONTWRITEBYTECODE": "1", "ESPALIER_PROGRAM": program}
+        # where a build of the repository has it
+        built = folder / "build" / "release" / "bin"
+        built.mkdir(parents=True)
+        (built / "espalier").symlink_to(Path(program).resolve())
         for path in ROOT.iterdir():
             if path.name in ("clients", "tests", "environment", "protocol", "docs"):
                 (folder / path.name).symlink_to(path)
@@ -147,7 +158,7 @@ class Run:
                 raise PageError(f"the page says\n{block.text}but the {block.remark} is\n{actual[-4000:]}")
         elif block.remark == "background":
             self.start(block)
-        elif block.remark != "shown" and block.language in ("sh", "python"):
+        elif block.remark != "shown" and block.language in RUN:
             self.execute(block)
 
     def write(self, block: Block) -> None:
@@ -171,7 +182,7 @@ class Run:
 
     def execute(self, block: Block) -> None:
         text = self.local(block.text)
-        done = self.command(["bash", "-euo", "pipefail", "-c", text] if block.language == "sh" else ["python3", "-c", text])
+        done = self.command([*RUN[block.language], text])
         self.output, self.messages = done.stdout, done.stderr
         if (done.returncode != 0) != (block.remark == "fails"):
             raise PageError(f"ended with {done.returncode}:\n{block.text}{done.stdout}{done.stderr}")
@@ -215,6 +226,20 @@ def pictures(page: Path) -> list[str]:
     return [name for name in names if "/" not in name and not (page.parent / name).exists()]
 
 
+def has_runs(page: Path) -> bool:
+    """Whether anything happens when the page runs."""
+    return any(block.remark != "shown" for block in blocks(page.read_text(encoding="utf-8")))
+
+
 def pages() -> list[Path]:
-    """The pages whose blocks run."""
+    """The pages of the handbook."""
     return sorted((ROOT / "docs").rglob("*.md")) + [ROOT / "README.md"]
+
+
+def folder_pages() -> list[Path]:
+    """The other pages of the repository: of folders, clients and models of the gallery. Their blocks run, too."""
+    found = []
+    for folder, below, files in os.walk(ROOT):
+        below[:] = sorted(each for each in below if each not in ("build", "out", "docs", "node_modules", ".git", "dist"))
+        found += [Path(folder) / file for file in sorted(files) if file.endswith(".md")]
+    return [each for each in found if each not in pages()]

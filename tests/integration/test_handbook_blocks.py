@@ -1,5 +1,7 @@
-"""Every code block of the handbook: commands and programs run, files are written, outputs are compared."""
+"""Every code block of the handbook and of the README of each folder: commands and programs run, files are written, outputs are compared.
+Those of the gallery, which grow every model, run in the stage `long`."""
 
+import os
 import re
 import sys
 import tempfile
@@ -24,6 +26,10 @@ class Rules(unittest.TestCase):
             page_blocks.run_page(page, program())
 
     def test_blocks_have_a_language_or_a_remark(self) -> None:
+        shown = page_blocks.blocks("<!-- every json is shown as data -->\n\n```json\n{}\n```\n```sh\ntrue\n```\n")
+        self.assertEqual([(block.remark, block.value) for block in shown], [("shown", "as data"), ("", "")])
+        self.assertEqual([problem.split(": ")[1] for problem in page_blocks.problems("<!-- shown -->\n```\na\n```\n")],
+                         ["say why the block is not run"])
         text = "```sh\ntrue\n```\n<!-- shown grammar -->\n```\na\n```\n\n```\nb\n```\n<!-- with a = b -->\n```json\n{}\n```\n"
         self.assertEqual([(block.language, block.remark, block.text) for block in page_blocks.blocks(text)],
                          [("sh", "", "true\n"), ("", "shown", "a\n"), ("", "", "b\n"), ("json", "", "{}\n")])
@@ -58,7 +64,7 @@ class EveryBlock(unittest.TestCase):
     maxDiff = None
 
     def test_is_run_or_says_why_not(self) -> None:
-        self.assertEqual([f"{page.relative_to(REPOSITORY)}: {problem}" for page in page_blocks.pages()
+        self.assertEqual([f"{page.relative_to(REPOSITORY)}: {problem}" for page in [*page_blocks.pages(), *page_blocks.folder_pages()]
                           for problem in page_blocks.problems(page.read_text(encoding="utf-8"))], [])
 
 
@@ -71,10 +77,14 @@ def running(page: Path) -> Callable[[unittest.TestCase], None]:
     return test
 
 
-# a class for each page, so that pages run side by side
-for each in page_blocks.pages():
-    name = "Page_" + re.sub(r"\W", "_", str(each.relative_to(REPOSITORY))[:-3])
-    globals()[name] = type(name, (unittest.TestCase,), {"test_what_it_says_happens": running(each)})
+# a class for each page with blocks that run, so that pages run side by side
+for each in [*page_blocks.pages(), *page_blocks.folder_pages()]:
+    if page_blocks.has_runs(each):
+        name = "Page_" + re.sub(r"\W", "_", str(each.relative_to(REPOSITORY))[:-3])
+        is_long = each.is_relative_to(REPOSITORY / "clients" / "gallery")
+        case = type(name, (unittest.TestCase,), {"test_long_what_it_says_happens" if is_long else "test_what_it_says_happens": running(each)})
+        globals()[name] = unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "grows models: ./dev test --all long")(case) \
+            if is_long else case
 
 
 if __name__ == "__main__":

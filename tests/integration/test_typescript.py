@@ -71,8 +71,11 @@ class TypeScript(unittest.TestCase):
             (folder / "node_modules" / "espalier").symlink_to(CLIENT)
             (folder / "package.json").write_text('{"type": "module"}', encoding="utf-8")
             (folder / "ceiling.ts").write_text(source, encoding="utf-8")
+            # and that of the README, whose types are checked
+            source, = re.findall(r"```ts\n(import .*?)```", (CLIENT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+            (folder / "readme.ts").write_text(source, encoding="utf-8")
             built = node(str(COMPILER), "--module", "nodenext", "--target", "es2022", "--strict", "--typeRoots",
-                         str(WEB / "node_modules" / "@types"), "--types", "node", "ceiling.ts", folder=folder)
+                         str(WEB / "node_modules" / "@types"), "--types", "node", "ceiling.ts", "readme.ts", folder=folder)
             self.assertEqual((built.returncode, built.stdout), (0, ""), built.stdout)
             environment = stdio(["node", str(folder / "ceiling.js")])
             grown, same = (strings("light-tree", "--seed", "7", "--environment", given) for given in
