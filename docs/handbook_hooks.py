@@ -1,9 +1,11 @@
-"""Hooks of mkdocs: anchors as in the repository, and a policy for each page that lets nothing in from elsewhere."""
+"""Hooks of mkdocs: anchors as in the repository, a policy for each page that lets nothing in from elsewhere, and a search that works
+for pages of a disk, too."""
 
 import base64
 import hashlib
 import re
 import typing
+from pathlib import Path
 
 SCRIPT = re.compile(r"<script>(.*?)</script>", re.DOTALL)
 # attributes that would need 'unsafe-inline'
@@ -36,3 +38,10 @@ def on_post_page(output: str, **_: typing.Any) -> str:
 def on_post_template(output_content: str, template_name: str, **_: typing.Any) -> str:
     """404.html and the site map need the address of the site, which differs from server to server: an empty one is not written."""
     return "" if template_name in ("404.html", "sitemap.xml") else output_content
+
+
+def on_post_build(config: typing.Any, **_: typing.Any) -> None:
+    """The index of the search as a script, for search_from_disk.js: browsers read no JSON from a disk."""
+    folder = Path(config["site_dir"]) / "search"
+    index = (folder / "search_index.json").read_text(encoding="utf-8")
+    (folder / "search_index.js").write_text(f"window.espalierSearchIndex = {index};\n", encoding="utf-8")

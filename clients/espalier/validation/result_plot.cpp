@@ -99,6 +99,10 @@ std::string resultPlot(const std::string& title, const CaseResult& result) {
   std::map<std::string, std::string_view> colours;
   double height = kTop;
   for (const Curve& curve : curves) {
+    // of a published table that is not here
+    if (curve.points.empty()) {
+      continue;
+    }
     const std::string subject = curve.name.substr(0, curve.name.find(", "));
     const auto [colour, isNew] = colours.try_emplace(subject, kColours[colours.size() % kColours.size()]);
     std::string places;
