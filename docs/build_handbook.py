@@ -25,6 +25,14 @@ def without_code(text: str) -> list[tuple[str, bool]]:
     return [(part, number % 2 == 1) for number, part in enumerate(parts)]
 
 
+def for_mkdocs(page: str) -> str:
+    """GitHub wants `\\|` for a bar in the code of a cell, and mkdocs shows the backslash."""
+    def row(match: "re.Match[str]") -> str:
+        return re.sub(r"`[^`\n]*`", lambda code: code[0].replace("\\|", "|"), match[0])
+
+    return re.sub(r"^\|.*$", row, page, flags=re.MULTILINE)
+
+
 def target_of(page: Path, link: str) -> typing.Optional[Path]:
     """The file or folder in the repository that a link leads to; none: another site, or a place in the page."""
     name = link.partition("#")[0]
@@ -48,7 +56,7 @@ class Handbook:
         for name, text in reference_pages.all_pages(self.program).items():
             page = self.source / "reference" / name
             page.parent.mkdir(parents=True, exist_ok=True)
-            page.write_text(text, encoding="utf-8")
+            page.write_text(for_mkdocs(text), encoding="utf-8")
         self.run_mkdocs()
 
     def make_pictures(self) -> None:
@@ -72,7 +80,7 @@ class Handbook:
                 shutil.copyfile(page, copy)
                 continue
             text, linked = self.with_links(page)
-            copy.write_text(text, encoding="utf-8")
+            copy.write_text(for_mkdocs(text), encoding="utf-8")
             waiting += [each for each in linked if each not in seen]
             seen.update(linked)
 
@@ -111,6 +119,8 @@ class Handbook:
     def run_mkdocs(self) -> None:
         configuration = (ROOT / "docs" / "mkdocs.yml").read_text(encoding="utf-8")
         shutil.copy(ROOT / "docs" / "handbook_hooks.py", self.folder)
+        (self.source / "search").mkdir()
+        shutil.copy(ROOT / "docs" / "search_from_disk.js", self.source / "search" / "from_disk.js")
         (self.folder / "mkdocs.yml").write_text(f"{configuration}\ndocs_dir: source\nsite_dir: site\n", encoding="utf-8")
         # one hash for two builds: dates of pages come from the sources, not from the clock
         date = subprocess.run(["git", "-C", str(ROOT), "log", "-1", "--format=%ct"], capture_output=True, text=True, check=False).stdout.strip()

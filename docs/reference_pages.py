@@ -1,4 +1,4 @@
-"""Reference pages that the program and its tables write: commands, functions, processes, methods and errors."""
+"""Reference pages that the program writes: commands, functions, turtle symbols, processes, methods and errors. Nothing here names one."""
 
 import json
 import re
@@ -24,13 +24,94 @@ def commands(program: str) -> str:
     return "\n".join(page)
 
 
-def functions() -> str:
-    table = (ROOT / "engine" / "language" / "function.def").read_text(encoding="utf-8")
-    page = ["# Functions", "", "The functions of expressions. [Their meaning](../docs/language.md#13-expressions) and the statements of blocks stand in the "
-            "reference of the language. Angles are in degrees.", "", "| function | arguments | depends on its arguments only |", "|---|---|---|"]
-    for name, least, most, pure in re.findall(r'^ESPALIER_FUNCTION\(\w+, "(\w+)", (\d+), (\d+), (\w+)\)', table, re.MULTILINE):
-        page.append(f"| `{name}` | {least if least == most else f'{least} or {most}'} | {'yes' if pure == 'true' else 'no'} |")
+def rows(program: str, table: str) -> list[dict[str, typing.Any]]:
+    """The rows of a table that the program works with: functions, symbols, methods, errors."""
+    return typing.cast("list[dict[str, typing.Any]]", json.loads(said(program, "reference", table, "--json")))
+
+
+def anchor(heading: str) -> str:
+    """The anchor of a heading, as GitHub makes it."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def place(page: str, section: str) -> str:
+    """The anchor of a section of a page of docs/: `5` is the heading `5. Functions`, `Limits` the heading `Limits`."""
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    headings = re.findall(r"^#+ (.+)$", text, re.MULTILINE)
+    found = [each for each in headings if each == section or each.startswith((f"{section} ", f"{section}. "))]
+    if not found:
+        raise ValueError(f"docs/{page} has no section {section}, which a table of the program names")
+    return anchor(found[0])
+
+
+def told(text: str, docs: str) -> str:
+    """A text of the program as Markdown in a cell: its places become links. `docs`: the way to the folder docs/."""
+    text = re.sub(r"([\w-]+\.md), (\d[\d.]*\d|\d|[A-Z][a-z ]+[a-z])",
+                  lambda match: f"[{match[0]}]({docs}{match[1]}#{place(match[1], match[2])})", text)
+    return cell(text.replace("[!]", "**[!]**"))
+
+
+def usages(row: dict[str, typing.Any]) -> str:
+    return " or ".join(f"`{cell(each)}`" for each in row["usage"].split(" or "))
+
+
+def shared(table: list[dict[str, typing.Any]], docs: str, *more: typing.Callable[[dict[str, typing.Any]], str]) -> list[str]:
+    """Rows of a page: usage, further cells, meaning. Neighbours with the same cells behind the usage share a row."""
+    merged: list[tuple[list[str], str]] = []
+    for each in table:
+        rest = " | ".join([*(cells(each) for cells in more), told(each["meaning"], docs)])
+        if merged and merged[-1][1] == rest:
+            merged[-1][0].append(usages(each))
+        else:
+            merged.append(([usages(each)], rest))
+    return [f"| {', '.join(heads)} | {rest} |" for heads, rest in merged]
+
+
+def function_table(program: str, docs: str = "") -> list[str]:
+    """As docs/language.md has it."""
+    return ["| function | value, and traps |", "|---|---|", *shared(rows(program, "functions"), docs)]
+
+
+def symbol_table(program: str, docs: str = "") -> list[str]:
+    return ["| symbol | effect |", "|---|---|", *shared(rows(program, "symbols"), docs), "| any other symbol | no effect |"]
+
+
+def error_table(program: str, docs: str = "") -> list[str]:
+    """For readers of messages."""
+    return ["| code | name | it means | do |", "|---:|---|---|---|",
+            *(f"| {each['code']} | {each['name']} | {told(each['meaning'], docs)} | {told(each['remedy'], docs)} |"
+              for each in rows(program, "errors"))]
+
+
+def error_data_table(program: str) -> list[str]:
+    """For those who write programs."""
+    return ["| code | name | data |", "|---|---|---|",
+            *(f"| {each['code']} | {each['name']} | {cell(each['data'])} |" for each in rows(program, "errors"))]
+
+
+def method_table(program: str) -> list[str]:
+    return ["| method | answered by | role | |", "|---|---|---|---|",
+            *(f"| `{each['name']}` | {each['answeredBy']} | {each['role']} | {cell(each['meaning'])} |".replace("|  |", "| |")
+              for each in rows(program, "methods"))]
+
+
+def functions(program: str) -> str:
+    def arguments(row: dict[str, typing.Any]) -> str:
+        least, most = row.get("least"), row.get("most")
+        return "as its text says" if least is None else str(least) if least == most else f"{least} or {most}"
+
+    page = ["# Functions", "", "The functions of expressions, as `espalier reference functions` prints them. "
+            "[Expressions](../docs/language.md#13-expressions) and the statements of blocks stand in the reference of the language. "
+            "Angles are in degrees; **[!]** marks what surprises.", "",
+            "| function | arguments | depends on its arguments only | value |", "|---|---|---|---|"]
+    page += shared(rows(program, "functions"), "../docs/", arguments, lambda row: "yes" if row["isPure"] else "no")
     return "\n".join(page) + "\n"
+
+
+def symbols(program: str) -> str:
+    return "\n".join(["# Turtle symbols", "", "What the turtle does at each symbol, as `espalier reference symbols` prints it. "
+                      "[Turtle interpretation](../docs/language.md#2-turtle-interpretation) says what the letters mean and what holds for all; "
+                      "**[!]** marks what surprises.", "", *symbol_table(program, "../docs/")]) + "\n"
 
 
 def process_names(program: str) -> list[str]:
@@ -78,18 +159,13 @@ def processes(program: str) -> dict[str, str]:
     return {"processes.md": "\n".join(index) + "\n", **pages}
 
 
-def protocol() -> str:
-    page = ["# Methods and errors", "", "The tables that server and clients are compiled from. [The protocol](../protocol/README.md) explains each method "
-            "with an example.", "", "## Errors by number", "", "| code | name | meaning |", "|---:|---|---|"]
-    header = (ROOT / "protocol" / "errors.h").read_text(encoding="utf-8")
-    for name, code, remark in re.findall(r"^  (\w+) = (-?\d+),(?: *// (.*))?$", header, re.MULTILINE):
-        page.append(f"| {code} | {name} | {cell(remark)} |")
-    page += ["", "## Methods", "", "| method | |", "|---|---|"]
-    table = (ROOT / "protocol" / "methods.def").read_text(encoding="utf-8")
-    page += [f"| `{name}` | {cell(meaning)} |"
-             for name, meaning in re.findall(r'^ESPALIER_\w+\("([^"]+)",[^;]*?"([^"]+)"\)', table, re.MULTILINE)]
-    return "\n".join(page) + "\n"
+def protocol(program: str) -> str:
+    return "\n".join(["# Methods and errors", "", "The tables that server and clients are compiled from. [The protocol](../protocol/README.md) "
+                      "explains each method with an example; [Reading messages](../docs/messages.md) has the messages of models.", "",
+                      "## Errors by number", "", *error_table(program, "../docs/"), "", "What `data` holds:", "", *error_data_table(program), "",
+                      "## Methods", "", *method_table(program)]) + "\n"
 
 
 def all_pages(program: str) -> dict[str, str]:
-    return {"commands.md": commands(program), "functions.md": functions(), "protocol.md": protocol(), **processes(program)}
+    return {"commands.md": commands(program), "functions.md": functions(program), "symbols.md": symbols(program),
+            "protocol.md": protocol(program), **processes(program)}

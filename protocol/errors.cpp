@@ -1,57 +1,27 @@
 #include "protocol/errors.h"
 
+#include <algorithm>
+#include <array>
+
 #include "protocol/json_writer.h"
 
 namespace espalier::protocol {
+namespace {
+
+constexpr std::array kErrors{
+#define ESPALIER_ERROR(name, code, text, meaning, data, remedy) ErrorInfo{ErrorCode::name, text, meaning, data, remedy},
+#include "protocol/errors.def"
+};
+
+}  // namespace
+
+std::span<const ErrorInfo> allErrors() {
+  return kErrors;
+}
 
 std::string_view nameOf(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::Parse:
-      return "parse";
-    case ErrorCode::InvalidRequest:
-      return "invalid request";
-    case ErrorCode::UnknownMethod:
-      return "unknown method";
-    case ErrorCode::InvalidParams:
-      return "invalid params";
-    case ErrorCode::Internal:
-      return "internal";
-    case ErrorCode::Version:
-      return "version";
-    case ErrorCode::Capability:
-      return "capability";
-    case ErrorCode::Unauthorised:
-      return "unauthorised";
-    case ErrorCode::Limit:
-      return "limit";
-    case ErrorCode::Timeout:
-      return "timeout";
-    case ErrorCode::EnvironmentFailed:
-      return "environment failed";
-    case ErrorCode::StaleStep:
-      return "stale step";
-    case ErrorCode::NonFinite:
-      return "non-finite";
-    case ErrorCode::Model:
-      return "model";
-    case ErrorCode::Cancelled:
-      return "cancelled";
-    case ErrorCode::NotFound:
-      return "not found";
-    case ErrorCode::HelloMissing:
-      return "hello missing";
-    case ErrorCode::Snapshot:
-      return "snapshot";
-    case ErrorCode::Storage:
-      return "storage";
-    case ErrorCode::ShuttingDown:
-      return "shutting down";
-    case ErrorCode::OfferTaken:
-      return "offer taken";
-    case ErrorCode::ModelChanged:
-      return "model changed";
-  }
-  return "unknown";
+  const auto found = std::ranges::find(kErrors, code, &ErrorInfo::code);
+  return found == kErrors.end() ? "unknown" : found->name;
 }
 
 Error memberError(const std::string& path, const std::string& what) {

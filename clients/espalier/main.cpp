@@ -57,6 +57,7 @@ constexpr auto kCommands = std::to_array<Command>({
     {"token", espalier::command::addToken},
     {"backup", espalier::command::addBackup},
     {"restore", espalier::command::addRestore},
+    {"reference", espalier::command::addReference},
     {"self-test", espalier::command::addSelfTest},
 });
 

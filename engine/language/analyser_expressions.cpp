@@ -13,12 +13,10 @@
 namespace espalier::language {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Callee>, 6> kSpecialCalls{{{"printf", Callee::Print},
-                                                                            {"fopen", Callee::FileOpen},
-                                                                            {"fclose", Callee::FileClose},
-                                                                            {"fflush", Callee::FileFlush},
-                                                                            {"fprintf", Callee::FilePrint},
-                                                                            {"fscanf", Callee::FileScan}}};
+constexpr std::array kSpecialCalls{
+#define ESPALIER_SPECIAL_FUNCTION(callee, text, usage, meaning) std::pair{std::string_view(text), Callee::callee},
+#include "engine/language/function.def"
+};
 constexpr std::size_t kMostArguments = 1000;
 
 /// Names in the order of the text, each once.

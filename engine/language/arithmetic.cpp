@@ -13,7 +13,13 @@ constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 constexpr std::array kFunctions{
-#define ESPALIER_FUNCTION(name, text, least, most, isPure) FunctionInfo{text, least, most, isPure},
+#define ESPALIER_FUNCTION(name, text, least, most, isPure, usage, meaning) \
+  FunctionInfo{text, least, most, isPure, usage, meaning},
+#include "engine/language/function.def"
+};
+
+constexpr std::array kSpecialFunctions{
+#define ESPALIER_SPECIAL_FUNCTION(callee, text, usage, meaning) SpecialFunctionInfo{text, usage, meaning},
 #include "engine/language/function.def"
 };
 
@@ -35,6 +41,10 @@ double floorModulo(double x, double divisor, bool& dividedByZero) {
 
 std::span<const FunctionInfo> allFunctions() {
   return kFunctions;
+}
+
+std::span<const SpecialFunctionInfo> specialFunctions() {
+  return kSpecialFunctions;
 }
 
 const FunctionInfo& functionInfo(Function function) {

@@ -122,7 +122,16 @@ struct FunctionInfo {
   const char* name = "";
   std::uint16_t least = 0;  // argument counts
   std::uint16_t most = 0;
-  bool isPure = false;  // depends on its arguments (and the view file) alone
+  bool isPure = false;       // depends on its arguments (and the view file) alone
+  const char* usage = "";    // its name with its arguments
+  const char* meaning = "";  // for people; `[!]` marks what surprises
+};
+
+/// A call that the grammar knows, as printf: its arguments are no plain expressions.
+struct SpecialFunctionInfo {
+  const char* name = "";
+  const char* usage = "";
+  const char* meaning = "";
 };
 
 /// The row of function.def.
@@ -130,6 +139,9 @@ struct FunctionInfo {
 
 /// All rows, indexed by Function.
 [[nodiscard]] std::span<const FunctionInfo> allFunctions();
+
+/// The special rows of function.def.
+[[nodiscard]] std::span<const SpecialFunctionInfo> specialFunctions();
 
 /// Whether the function draws random numbers: ran, nran, bran, biran.
 [[nodiscard]] constexpr bool drawsRandom(Function function) {

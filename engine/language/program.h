@@ -23,7 +23,7 @@ enum class Operation : std::uint8_t {
 };
 
 enum class Function : std::uint8_t {
-#define ESPALIER_FUNCTION(name, text, least, most, isPure) name,
+#define ESPALIER_FUNCTION(name, text, least, most, isPure, usage, meaning) name,
 #include "engine/language/function.def"
 };
 

@@ -28,7 +28,8 @@ constexpr std::array<std::string_view, 18> kSectionWords{
     "homomorphism:", "Syntax:", "warnings",           "endlsystem"};
 
 constexpr std::array kFunctionNames{
-#define ESPALIER_FUNCTION(name, text, least, most, isPure) std::string_view(text),
+#define ESPALIER_FUNCTION(name, text, least, most, isPure, usage, meaning) std::string_view(text),
+#define ESPALIER_SPECIAL_FUNCTION(callee, text, usage, meaning) std::string_view(text),
 #include "engine/language/function.def"
 };
 

@@ -1,5 +1,6 @@
 """The built handbook: every link leads somewhere, nothing comes from other hosts, the search index has the pages."""
 
+import html
 import html.parser
 import json
 import re
@@ -11,12 +12,14 @@ import urllib.parse
 from pathlib import Path
 from typing import ClassVar, Dict, List, Optional, Set, Tuple
 
-from support import REPOSITORY, espalier, program
+from browser import PROGRAM, Browser
+from support import REPOSITORY, Server, espalier, program
 
-sys.path[:0] = [str(REPOSITORY / "docs"), str(REPOSITORY / "clients" / "packaging")]
+sys.path[:0] = [str(REPOSITORY / each) for each in ("docs", "clients/packaging", "tests/support")]
 
 import build_handbook  # noqa: E402
 import command_table  # noqa: E402
+import generated_pages  # noqa: E402
 import handbook_hooks  # noqa: E402
 import reference_pages  # noqa: E402
 
@@ -96,21 +99,40 @@ class Site(unittest.TestCase):
                        "reference/commands.html", "docs/explanation/validation.html", "protocol/index.html"):
             self.assertIn(wanted, places)
 
+    @unittest.skipUnless(PROGRAM, "Chromium is not installed (Debian: chromium)")
+    def test_the_search_works_in_a_browser_from_a_disk_without_a_network_and_from_a_server(self) -> None:
+        server = Server("--handbook", str(self.site))
+        self.addCleanup(server.stop)
+        for address, more in ((f"file://{self.site}/docs/howto", ["--proxy-server=127.0.0.1:1"]), (f"http://{server.http}/handbook/docs/howto", [])):
+            with self.subTest(address), Browser(f"{address}/cite.html", *more) as page:
+                # a worker builds its index before it listens, and so does the page itself
+                found = page.wait_for("""(() => {
+                    const input = document.getElementById("mkdocs-search-query");
+                    input.value = "evaporation from bare soil";
+                    input.dispatchEvent(new Event("keyup"));
+                    return [...document.querySelectorAll("#mkdocs-search-results a")].map((link) => link.href);
+                })().find((link) => link.includes("explanation/validation.html"))""")
+                self.assertTrue(found.startswith(address.partition("docs/")[0]), found)
+
     def test_the_pictures_are_there(self) -> None:
         made = {path.name for path in (self.site / "docs" / "tutorial").glob("*.png")}
         self.assertEqual(len(made), 10)
         for path in (self.site / "docs" / "tutorial").glob("*.png"):
             self.assertEqual(path.read_bytes()[:4], b"\x89PNG")
+        figures = {path.name: path.read_text(encoding="utf-8") for path in (self.site / "docs" / "explanation").glob("*.svg")}
+        self.assertEqual(sorted(figures), ["m2.1-sand.svg", "m3.1.svg", "self-thinning.svg"])
+        for name, figure in figures.items():
+            self.assertGreater(figure.count("<path"), 2, name)
 
     def test_the_handbook_names_every_command_function_and_process(self) -> None:
         commands = (self.site / "reference" / "commands.html").read_text(encoding="utf-8")
         for command in command_table.commands(program()):
             self.assertIn(f">{' '.join(('espalier', *command.words))}</h2>", commands)
-        functions = (self.site / "reference" / "functions.html").read_text(encoding="utf-8")
-        language = (REPOSITORY / "docs" / "language.md").read_text(encoding="utf-8")
-        names = re.findall(r"<code>(\w+)</code>", functions)
-        self.assertGreater(len(names), 40)
-        self.assertEqual([name for name in names if not re.search(rf"\b{name}\b", language) and not name.startswith("vv")], [])
+        for table, file, least in (("functions", "functions.html", 40), ("symbols", "symbols.html", 60)):
+            page = html.unescape((self.site / "reference" / file).read_text(encoding="utf-8"))
+            shown = [usage for row in reference_pages.rows(program(), table) for usage in row["usage"].split(" or ")]
+            self.assertGreater(len(shown), least)
+            self.assertEqual([usage for usage in shown if f"<code>{usage}</code>" not in page], [])
         for name in reference_pages.process_names(program()):
             self.assertIn("How to cite", (self.site / "reference" / "processes" / f"{name}.html").read_text(encoding="utf-8"))
 
@@ -123,10 +145,35 @@ class Parts(unittest.TestCase):
             self.assertIn(wanted, page)
 
     def test_the_tables_are_read(self) -> None:
-        self.assertIn("| `sin` | 1 | yes |", reference_pages.functions())
-        page = reference_pages.protocol()
-        for wanted in ("| 1006 | EnvironmentFailed |", "| -32700 | Parse |", "| `simulation.create` |", "| `hello` | agree"):
+        self.assertRegex(reference_pages.functions(program()), r"(?m)^\| `sin\(a\)`.* \| 1 \| yes \| .*degrees")
+        page = reference_pages.protocol(program())
+        for wanted in ("| 1006 | environment failed | ", "| -32700 | parse |", "| `simulation.create` |", "| `hello` | both sides | | agree"):
             self.assertIn(wanted, page)
+
+    def test_a_new_function_symbol_method_or_error_is_on_its_pages_by_itself(self) -> None:
+        new = {"functions": {"name": "newf", "usage": "newf(x|y)", "meaning": "[!] new (" "model-files" ".md, 5)", "least": 1, "most": 2, "isPure": True},
+               "symbols": {"name": "@Q", "usage": "@Q(n) or @Q", "meaning": "a new body"},
+               "methods": {"name": "plant.new", "answeredBy": "the server", "role": "", "meaning": "makes one"},
+               "errors": {"code": 1999, "name": "newest", "meaning": "never was", "data": "`x`", "remedy": "wait (operating.md, Limits)"}}
+        with tempfile.TemporaryDirectory() as folder:
+            newer = Path(folder) / "espalier"
+            newer.write_text(f"#!{sys.executable}\nimport json, subprocess, sys\n"
+                             f"out = subprocess.run([{program()!r}, *sys.argv[1:]], capture_output=True, text=True, check=True).stdout\n"
+                             f"rows = {new!r}\n"
+                             "print(json.dumps(json.loads(out) + [rows[sys.argv[2]]]) if sys.argv[1] == 'reference' else out)\n", encoding="utf-8")
+            newer.chmod(0o755)
+            pages = {"functions": reference_pages.functions(str(newer)), "symbols": reference_pages.symbols(str(newer)),
+                     "protocol": reference_pages.protocol(str(newer)),
+                     **{str(path): generated_pages.with_tables(path, str(newer)) for path, name, _ in generated_pages.TABLES if name != "limits"}}
+        row = r"| `newf(x\|y)` | 1 or 2 | yes | **[!]** new ([" "model-files" ".md, 5](../docs/model-files.md#5-functions)) |"
+        self.assertIn(row, pages["functions"])
+        self.assertIn("| `@Q(n)` or `@Q` | a new body |", pages["symbols"])
+        self.assertIn("| 1999 | newest | never was | wait ([operating.md, Limits](../docs/operating.md#limits)) |", pages["protocol"])
+        self.assertIn("| 1999 | newest | `x` |", pages["protocol"])
+        self.assertIn("| `plant.new` | the server | | makes one |", pages["protocol"])
+        for page, wanted in (("docs/language.md", "a new body"), ("docs/language.md", r"newf(x\|y)"), ("docs/messages.md", "| 1999 |"),
+                             ("protocol/README.md", "| 1999 |"), ("protocol/README.md", "plant.new")):
+            self.assertIn(wanted, pages[str(REPOSITORY / page)])
 
 
 if __name__ == "__main__":

@@ -1,15 +1,18 @@
-"""Parts of files that the program writes: the table of limits in docs/operating.md, the hashes of `espalier self-test`.
-`./dev pages` calls this as a script."""
+"""Parts of files that the program writes: tables of pages (limits, functions, turtle symbols, errors, methods), and the hashes of
+`espalier self-test`. `./dev pages` calls this as a script."""
 
 import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Callable
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "docs"))
+
+import reference_pages  # noqa: E402
+
 PAGE = ROOT / "docs" / "operating.md"
-BEGIN = "<!-- limits: `./dev pages` writes this table from the program -->\n"
-END = "<!-- /limits -->"
 HASHES = ROOT / "clients" / "espalier" / "installation" / "self_test.def"
 
 
@@ -33,19 +36,41 @@ def limits_of_run(program: str) -> dict[str, tuple[str, str]]:
     return {name: (default, meaning) for name, meaning, default in re.findall(r"(\w+) \(([^();]+); (\d+)\)", joined)}
 
 
-def limits_table(program: str) -> str:
+def limits_table(program: str) -> "list[str]":
     server, run = limits_of_server(program), limits_of_run(program)
     rows = ["| limit | meaning | `serve` | `run` |", "|---|---|---:|---:|"]
     for name in [*server, *(name for name in run if name not in server)]:
         meaning = (server.get(name) or run[name])[1]
         defaults = [grouped(table[name][0]) if name in table else "" for table in (server, run)]
         rows.append(f"| `{name}` | {meaning} | {defaults[0]} | {defaults[1]} |")
-    return "\n".join(rows) + "\n"
+    return rows
 
 
-def with_limits(page: str, table: str) -> str:
-    before, rest = page.split(BEGIN)
-    return before + BEGIN + table + END + rest.split(END)[1]
+# (page, name of the table in its comments, what writes it)
+TABLES: list[tuple[Path, str, Callable[[str], "list[str]"]]] = [
+    (PAGE, "limits", limits_table),
+    (ROOT / "docs" / "language.md", "functions", reference_pages.function_table),
+    (ROOT / "docs" / "language.md", "symbols", reference_pages.symbol_table),
+    (ROOT / "docs" / "messages.md", "errors", reference_pages.error_table),
+    (ROOT / "protocol" / "README.md", "methods", reference_pages.method_table),
+    (ROOT / "protocol" / "README.md", "errors", reference_pages.error_data_table),
+]
+
+
+def with_table(page: str, name: str, table: "list[str]") -> str:
+    """The page with the table between its comments."""
+    begin, end = f"<!-- {name}: `./dev pages` writes this table from the program -->\n", f"<!-- /{name} -->"
+    before, rest = page.split(begin)
+    return before + begin + "\n".join(table) + "\n" + end + rest.split(end)[1]
+
+
+def with_tables(path: Path, program: str) -> str:
+    """The text of a page with all of its tables as the program has them."""
+    page = path.read_text(encoding="utf-8")
+    for each, name, table in TABLES:
+        if each == path:
+            page = with_table(page, name, table(program))
+    return page
 
 
 def with_hashes(text: str, program: str) -> str:
@@ -60,6 +85,8 @@ def with_hashes(text: str, program: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(with_limits(PAGE.read_text(encoding="utf-8"), limits_table(sys.argv[1])), encoding="utf-8")
+    written = sorted({path for path, _, _ in TABLES})
+    for each in written:
+        each.write_text(with_tables(each, sys.argv[1]), encoding="utf-8")
     HASHES.write_text(with_hashes(HASHES.read_text(encoding="utf-8"), sys.argv[1]), encoding="utf-8")
-    print(f"wrote {PAGE.relative_to(ROOT)} and {HASHES.relative_to(ROOT)}")
+    print(f"wrote {', '.join(str(path.relative_to(ROOT)) for path in [*written, HASHES])}")

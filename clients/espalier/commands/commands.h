@@ -17,6 +17,7 @@ void addExport(CLI::App& program, int& status);
 void addWatch(CLI::App& program, int& status);
 void addFormat(CLI::App& program, int& status);
 void addGrowth(CLI::App& program, int& status);
+void addReference(CLI::App& program, int& status);
 void addConvert(CLI::App& program, int& status);
 void addDisassemble(CLI::App& program, int& status);
 void addExplain(CLI::App& program, int& status);

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+#include <string>
+
+#include "engine/turtle/interpretation/symbol_list.h"
+
 namespace espalier::turtle {
 namespace {
 
@@ -33,6 +38,25 @@ TEST(TurtleCommand, PairsAfterAtAreExact) {
   EXPECT_EQ(commandAfterAt('X', '\0'), TurtleCommand::ExchangeFrames);
   EXPECT_EQ(commandAfterAt('z', '\0'), TurtleCommand::None);
   EXPECT_EQ(commandAfterAt('m', 'c'), TurtleCommand::ConditionalCut);
+}
+
+// the page and the turtle read the same rows
+TEST(TurtleCommand, EachSymbolOfThePageIsObeyed) {
+  std::set<std::string> texts;
+  for (const SymbolInfo& symbol : allSymbols()) {
+    const std::string text = symbol.text;
+    EXPECT_TRUE(texts.insert(text).second) << text << " has two rows";
+    EXPECT_NE(std::string(symbol.usage).find(text), std::string::npos) << text;
+    EXPECT_NE(std::string(symbol.meaning), "") << text;
+    if (text.size() > 1) {
+      ASSERT_EQ(text[0], '@');
+      EXPECT_NE(commandAfterAt(text[1], text.size() > 2 ? text[2] : '\0'), TurtleCommand::None) << text;
+      EXPECT_EQ(text.size() > 2, text.size() > 2 && takesSecondSymbol(text[1])) << text;
+    } else {
+      EXPECT_TRUE(commandOf(text[0], 0) != TurtleCommand::None || commandOf(text[0], 2) != TurtleCommand::None) << text;
+    }
+  }
+  EXPECT_GT(texts.size(), 60U);
 }
 
 TEST(TurtleCommand, SixLettersTakeASecondSymbol) {

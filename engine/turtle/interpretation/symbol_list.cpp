@@ -1,0 +1,20 @@
+#include "engine/turtle/interpretation/symbol_list.h"
+
+#include <array>
+
+namespace espalier::turtle {
+namespace {
+
+constexpr std::array kSymbols{
+#define ESPALIER_TURTLE_SYMBOL(command, text, least, most, usage, meaning) SymbolInfo{text, usage, meaning},
+#define ESPALIER_TURTLE_AFTER_AT(command, text, usage, meaning) SymbolInfo{"@" text, usage, meaning},
+#include "engine/turtle/interpretation/symbols.def"
+};
+
+}  // namespace
+
+std::span<const SymbolInfo> allSymbols() {
+  return kSymbols;
+}
+
+}  // namespace espalier::turtle
