@@ -38,11 +38,12 @@ fi
 wheel="$(ls "$folder"/../wheels/espalier-*manylinux*.whl 2>/dev/null | head -n 1)"
 [[ -n "$wheel" ]] || fail "there is no wheel in build/wheels: run ./dev package first"
 
-# an older version, for upgrades. While /srv/kill is there, its last script ends dpkg, which has unpacked the newer files by then
+# An older version, for upgrades: 0.1.0 had no recipe of a package, so this is the package of today under an older number, and beside it data
+# that the server of 0.1.0 has written (tests/server/store). While /srv/kill is there, its last script ends dpkg, which has unpacked the newer files by then
 older="$folder/older"
 rm -rf "$older"
 dpkg-deb -R "$program_package" "$older"
-sed -i 's/^Version: .*/Version: 0.0.9/' "$older/DEBIAN/control"
+sed -i 's/^Version: .*/Version: 0.1.0~released/' "$older/DEBIAN/control"
 sed -i '2i if [ "$1" = upgrade ] && [ -e /srv/kill ]; then kill -KILL "$PPID"; fi' "$older/DEBIAN/postrm"
 dpkg-deb --root-owner-group -b "$older" "$folder/older.deb" >/dev/null
 rm -rf "$older"
@@ -89,7 +90,20 @@ install ./older.deb
 espalier run classic-weed -o weed.png
 test "$(head -c 4 weed.png | tail -c 3)" = PNG
 test $(($(date +%s) - began)) -lt 60
-dpkg-query -W -f '${Version}' espalier | grep -qx 0.0.9
+dpkg-query -W -f '${Version}' espalier | grep -qx '0.1.0~released'
+
+# data of 0.1.0, where the service has its own
+data=/var/lib/private/espalier
+mkdir -p "$data"
+cp version1.sqlite "$data/espalier.sqlite"
+# the newer version has everything: a simulation with its state, which goes on
+kept() {
+  serve "$data"
+  espalier connect "$address" get sim-d8f7b28eea29 state-hash | grep -q e21dc4ffabc3ee78
+  espalier connect "$address" step sim-d8f7b28eea29 1
+  kill "$server"
+  wait "$server"
+}
 
 # upgraded while a server runs: the server goes on
 serve data
@@ -99,16 +113,22 @@ dpkg-query -W -f '${Version}' espalier | grep -qx "$(dpkg-deb -f ./espalier_*.de
 espalier connect "$address" step "$plant" 2
 kill "$server"
 wait "$server"
+cmp version1.sqlite "$data/espalier.sqlite"
+kept
 
-# an upgrade that is killed half-way, and done again
+# an upgrade that is killed half-way, and done again: the data stay as they were until the newer server reads them
 dpkg -i older.deb
+cp version1.sqlite "$data/espalier.sqlite"
+rm -f "$data"/espalier.sqlite-*
 touch kill
 if dpkg -i ./espalier_*.deb; then exit 1; fi
 dpkg-query -W -f '${db:Status-Status}' espalier | grep -qx half-installed
+cmp version1.sqlite "$data/espalier.sqlite"
 rm kill
 dpkg -i ./espalier_*.deb
 dpkg-query -W -f '${db:Status-Status} ${Version}' espalier | grep -qx "installed $(dpkg-deb -f ./espalier_*.deb Version)"
 espalier --version
+kept
 
 # what came with it
 espalier conformance --kind deterministic --quiet
@@ -154,8 +174,6 @@ cmake --build grow/build
 test "$(grow/build/grow | tail -n 1)" = 'FFFA?E(0)'
 
 # settings that a person changed and data stay when the package goes; data that a server has open stay when it is purged, too
-data=/var/lib/private/espalier
-mkdir -p "${data%/*}"
 echo '# changed' >>/etc/espalier/serve.toml
 serve "$data"
 espalier connect "$address" create --gallery classic-weed >/dev/null
@@ -177,7 +195,7 @@ test ! -e "$data"
 INSIDE
 
 mmdebstrap --variant=apt --quiet --include=ca-certificates \
-  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$sources/ceiling.c' '$sources/grow' '$folder/inside.sh' /srv" \
+  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$sources/ceiling.c' '$root/tests/server/store/fixtures/version1.sqlite' '$sources/grow' '$folder/inside.sh' /srv" \
   --customize-hook='chroot "$1" sh /srv/inside.sh' \
   bookworm /dev/null >"$folder/bare.log" 2>&1 || fail "in a bare Debian 12: $(tail -n 12 "$folder/bare.log")"
-passed "in a bare Debian 12: wheel, package installed and used in a minute, upgraded under a running server and after a kill, C and C++ built, removed, purged"
+passed "in a bare Debian 12: wheel, package installed and used in a minute, upgraded under a running server and after a kill with data of 0.1.0, C and C++ built, removed, purged"

@@ -19,7 +19,7 @@ import command_table  # noqa: E402
 import make_completions  # noqa: E402
 import make_manpages  # noqa: E402
 
-from espalier import viewing  # noqa: E402
+from espalier import Server, viewing  # noqa: E402
 
 DEBIAN = REPOSITORY / "clients" / "packaging" / "debian"
 
@@ -204,6 +204,60 @@ class DebianScripts(unittest.TestCase):
         # `set -e` does not see a command behind `!`
         text = (DEBIAN.parent / "test_package.sh").read_text(encoding="utf-8")
         self.assertEqual([line for line in text.splitlines() if line.lstrip().startswith("! ") or line.rstrip().endswith("|| true")], [])
+
+
+@unittest.skipUnless(shutil.which("npm") and (REPOSITORY / "clients" / "typescript" / "dist").is_dir(), "npm is not installed")
+class Archives(unittest.TestCase):
+    """What build_archives.sh packs for npm, Blender and R, used as people get it: without the repository."""
+    folder: ClassVar[Path]
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(temporary.cleanup)
+        cls.folder = Path(temporary.name)
+        cls.command("bash", str(REPOSITORY / "clients" / "packaging" / "build_archives.sh"), str(cls.folder))
+
+    @classmethod
+    def command(cls, *words: str, **more: str) -> str:
+        done = subprocess.run(words, cwd=cls.folder, text=True, capture_output=True, check=False, stdin=subprocess.DEVNULL,
+                              timeout=10 * SECONDS, env={**os.environ, **more})
+        if done.returncode != 0:
+            raise AssertionError(f"{words}: {done.stdout}{done.stderr}")
+        return done.stdout
+
+    def test_npm_installs_its_package_without_a_network(self) -> None:
+        archive, = self.folder.glob("espalier-*.tgz")
+        (self.folder / "package.json").write_text('{"type": "module"}', encoding="utf-8")
+        self.command("npm", "install", "--offline", "--no-audit", "--no-fund", "--silent", str(archive))
+        with Server(program(), arguments=["--log-level", "off"]) as server:
+            (self.folder / "use.js").write_text(
+                'import { connect } from "espalier";\nconst client = await connect(process.argv[2]);\n'
+                'const plant = await client.create({ model: { source: "Lsystem: 1\\nderivation length: 2\\nAxiom: A\\nA --> AB\\nendlsystem\\n" } });\n'
+                "await plant.step(2);\nconsole.log(await plant.string());\nclient.close();\n", encoding="utf-8")
+            self.assertIn("ABB", self.command("node", "use.js", server.address))
+
+    def test_the_add_on_of_blender_is_whole(self) -> None:
+        with zipfile.ZipFile(self.folder / "espalier-blender.zip") as archive:
+            names = archive.namelist()
+            self.assertIn("bl_info", archive.read("espalier_blender/__init__.py").decode())
+            self.assertIn("espalier/__init__.py", names)
+            self.assertEqual([name for name in names if "__pycache__" in name], [])
+            for name in names:
+                if name.endswith(".py"):
+                    compile(archive.read(name), name, "exec")
+
+    @unittest.skipUnless(shutil.which("R"), "R is not installed (Debian: r-base-core)")
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes half a minute: ./dev test --all package")
+    def test_long_r_finds_nothing_to_complain_of(self) -> None:
+        archive, = self.folder.glob("espalier_*.tar.gz")
+        # R asks which packages there are; this one needs none, so an empty list does
+        (self.folder / "src" / "contrib").mkdir(parents=True)
+        (self.folder / "src" / "contrib" / "PACKAGES").write_text("", encoding="utf-8")
+        (self.folder / "profile").write_text(f'options(repos = c(CRAN = "file://{self.folder}"))\n', encoding="utf-8")
+        checked = self.command("R", "CMD", "check", "--no-manual", archive.name, R_PROFILE_USER=str(self.folder / "profile"),
+                               ESPALIER_PROGRAM=program())
+        self.assertIn("Status: OK", checked)
 
 
 class Wheels(unittest.TestCase):
