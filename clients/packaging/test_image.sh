@@ -44,9 +44,9 @@ passed "without tokens the server does not start, and names the file"
 
 {
   echo "[tokens]"
-  inside "$container" -- /usr/bin/espalier token new outside -o /tmp/outside.token 2>/dev/null
+  inside "$container" -- /usr/bin/espalier token new outside -o outside.token 2>/dev/null
 } >"$work/token.toml"
-inside "$container" -- cat /tmp/outside.token >"$work/outside.token"
+inside "$container" -- cat outside.token >"$work/outside.token"
 chmod 600 "$work/outside.token"
 # shellcheck disable=SC2086 # several words
 inside --volume "$work/token.toml:/etc/espalier/container.toml:ro" "$container" -- $words >"$work/server.log" 2>&1 &

@@ -19,7 +19,7 @@ constexpr std::array kFunctions{
 constexpr std::array kSymbols{
 #define ESPALIER_TURTLE_SYMBOL(command, text, least, most, usage, meaning) Row{text, usage, meaning},
 #define ESPALIER_TURTLE_AFTER_AT(command, text, usage, meaning) Row{"@" text, usage, meaning},
-#include "engine/turtle/interpretation/symbols.def"
+#include "engine/language/turtle_symbols.def"
 };
 
 std::optional<std::string> findIn(const auto& rows, std::string_view name) {

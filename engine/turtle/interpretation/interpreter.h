@@ -57,7 +57,7 @@ struct InterpretationOutput {
 
 /// Interprets the string of one plant from left to right, with homomorphism, filling ?P ?H ?L ?U ?Q (and ?F) in place.
 /// An interpretation with `queries` is an environment pass: in the compatible modes it does not execute width and
-/// colour symbols, and it overwrites the legacy `s`. symbols.def specifies the symbols. Throws
+/// colour symbols, and it overwrites the legacy `s`. turtle_symbols.def specifies the symbols. Throws
 /// core::SimulationFailure: a position that is not finite, a limit, cancelled; the string may then be partly filled
 /// (`changes` tells how to undo it). O(modules). Warnings go to the Derivation's message sink, each text once per
 /// Interpreter. An environment pass with several threads (DerivationOptions::threads) interprets branches of a long

@@ -8,7 +8,7 @@ namespace {
 constexpr std::array kSymbols{
 #define ESPALIER_TURTLE_SYMBOL(command, text, least, most, usage, meaning) SymbolInfo{text, usage, meaning},
 #define ESPALIER_TURTLE_AFTER_AT(command, text, usage, meaning) SymbolInfo{"@" text, usage, meaning},
-#include "engine/turtle/interpretation/symbols.def"
+#include "engine/language/turtle_symbols.def"
 };
 
 }  // namespace

@@ -17,12 +17,12 @@ struct Entry {
 constexpr std::array kSingle{
 #define ESPALIER_TURTLE_SYMBOL(command, text, least, most, usage, meaning) \
   Entry{text, TurtleCommand::command, least, most},
-#include "engine/turtle/interpretation/symbols.def"
+#include "engine/language/turtle_symbols.def"
 };
 
 constexpr std::array kAfterAt{
 #define ESPALIER_TURTLE_AFTER_AT(command, text, usage, meaning) Entry{text, TurtleCommand::command},
-#include "engine/turtle/interpretation/symbols.def"
+#include "engine/language/turtle_symbols.def"
 };
 
 }  // namespace
