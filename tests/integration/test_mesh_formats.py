@@ -143,6 +143,28 @@ class ForParaView(unittest.TestCase):
             for entry in sets:
                 self.assertTrue((self.folder / str(entry.get("file"))).is_file())
 
+    @unittest.skipUnless(importlib.util.find_spec("vtk"), "VTK is not installed (Debian: python3-vtk9)")
+    def test_vtk_reads_every_file_of_a_series(self) -> None:
+        # the reader of .pvd files is ParaView's own; the library VTK reads what they list
+        import vtk
+
+        espalier("run", str(GALLERY / "roots-in-soil"), "--steps", "3", "--every", "-o", str(self.folder / "r.vtp"), "--field",
+                 str(self.folder / "r.vti"), "--quiet")
+        cells: "dict[str, list[int]]" = {}
+        for entry in ElementTree.parse(self.folder / "r.pvd").getroot().findall("Collection/DataSet"):
+            file = str(entry.get("file"))
+            reader = vtk.vtkXMLGenericDataObjectReader()
+            reader.SetFileName(str(self.folder / file))
+            reader.Update()
+            cells.setdefault(reader.GetOutput().GetClassName(), []).append(reader.GetOutput().GetNumberOfCells())
+            number = int(file[2:6])
+            self.assertEqual(str(number), entry.get("timestep"))
+        self.assertEqual([(kind, len(numbers)) for kind, numbers in cells.items()], [("vtkPolyData", 4), ("vtkImageData", 4)])
+        self.assertEqual(len(set(cells["vtkImageData"])), 1)
+        # the plant grows
+        self.assertEqual(cells["vtkPolyData"], sorted(cells["vtkPolyData"]))
+        self.assertLess(cells["vtkPolyData"][0], cells["vtkPolyData"][-1])
+
     def test_a_large_plant_is_several_pieces(self) -> None:
         espalier("run", str(GALLERY / "textured-tree"), "-o", str(self.folder / "tree.vtp"), "-o", str(self.folder / "tree.ply"), "--detail",
                  "4", "--quiet")
