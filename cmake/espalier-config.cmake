@@ -1,21 +1,29 @@
 # The CMake package `espalier`. Its components and their targets:
 #   client        espalier::client        connections to a server
+#   bmi           espalier::bmi           simulations as models of the Basic Model Interface (with all others but client)
 #   engine        espalier::simulation    models, plants and steps in the process of the caller (with every library below it)
 #   environment   espalier::environment   the built-in environment processes (with the engine)
-# Without COMPONENTS the package looks for the dependencies of all three.
+# Without COMPONENTS the package looks for the dependencies of all but bmi.
 include(CMakeFindDependencyMacro)
 
-set(_espalier_components client engine environment)
+set(_espalier_components bmi client engine environment)
 foreach(_component ${espalier_FIND_COMPONENTS})
   if(NOT _component IN_LIST _espalier_components)
     set(espalier_FOUND FALSE)
-    set(espalier_NOT_FOUND_MESSAGE "espalier has no component '${_component}'. Available: client, engine, environment.")
+    set(espalier_NOT_FOUND_MESSAGE "espalier has no component '${_component}'. Available: bmi, client, engine, environment.")
     return()
   endif()
   set(espalier_${_component}_FOUND TRUE)
 endforeach()
 if(espalier_FIND_COMPONENTS)
   set(_espalier_components ${espalier_FIND_COMPONENTS})
+else()
+  list(REMOVE_ITEM _espalier_components bmi)
+endif()
+if("bmi" IN_LIST _espalier_components)
+  list(APPEND _espalier_components client environment)
+  find_dependency(OpenSSL 3.0)
+  find_dependency(zstd 1.5)
 endif()
 
 # the libraries are static: a program links what they use

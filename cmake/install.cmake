@@ -7,7 +7,7 @@ install(DIRECTORY clients/gallery DESTINATION ${CMAKE_INSTALL_DATADIR}/espalier)
 install(DIRECTORY tests/conformance/cases/ DESTINATION ${CMAKE_INSTALL_DATADIR}/espalier/conformance)
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/espalier)
-set(libraries core files language derivation turtle simulation environment protocol client)
+set(libraries core files language derivation turtle simulation environment protocol client remote bmi)
 foreach(library ${libraries})
   set_target_properties(espalier_${library} PROPERTIES EXPORT_NAME ${library})
 endforeach()
@@ -21,6 +21,8 @@ install(DIRECTORY engine environment protocol DESTINATION ${CMAKE_INSTALL_INCLUD
         FILES_MATCHING PATTERN "*.h" PATTERN "*.def" PATTERN "plugin_example" EXCLUDE PATTERN "decoding" EXCLUDE PATTERN "musl" EXCLUDE)
 install(DIRECTORY clients/cpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/espalier/clients
         FILES_MATCHING PATTERN "*.h" PATTERN "example" EXCLUDE)
+install(FILES clients/bmi/bmi.hxx clients/bmi/bmi_plugin.h clients/bmi/bmi_raster.h clients/bmi/espalier_bmi.h
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/espalier/clients/bmi)
 
 write_basic_package_version_file(espalier-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES cmake/espalier-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/espalier-config-version.cmake DESTINATION ${package})

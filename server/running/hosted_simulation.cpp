@@ -6,6 +6,7 @@
 #include <new>
 
 #include "engine/core/diagnostic.h"
+#include "engine/language/redefinition.h"
 #include "engine/simulation/snapshot.h"
 #include "engine/simulation/snapshot_editing.h"
 #include "protocol/json_writer.h"
@@ -16,43 +17,6 @@
 namespace espalier::server {
 namespace {
 
-/// The name that a line defines: `  # define NAME ...`; empty for any other line.
-std::string_view definedName(std::string_view line) {
-  constexpr std::string_view kBlanks = " \t";
-  const auto skip = [&line, kBlanks](std::string_view word) {
-    line.remove_prefix(std::min(line.size(), line.find_first_not_of(kBlanks)));
-    const bool isThere = line.starts_with(word);
-    line.remove_prefix(isThere ? word.size() : 0);
-    return isThere;
-  };
-  if (!skip("#") || !skip("define") || !skip("")) {
-    return {};
-  }
-  return line.substr(0, line.find_first_of(" \t\r("));
-}
-
-/// The names that the sources of a model define.
-std::vector<std::string_view> definedNames(const language::Program& program) {
-  std::vector<std::string_view> names;
-  for (const auto& file : program.sources) {
-    const std::string_view text = file.text;
-    for (std::size_t begin = 0; begin < text.size();) {
-      const std::size_t end = std::min(text.find('\n', begin), text.size());
-      if (const std::string_view name = definedName(text.substr(begin, end - begin)); !name.empty()) {
-        names.push_back(name);
-      }
-      begin = end + 1;
-    }
-  }
-  return names;
-}
-
-/// Whether a source of the model has a `#define` of the name.
-bool isDefined(const language::Program& program, std::string_view name) {
-  const std::vector<std::string_view> names = definedNames(program);
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 /// The end of a message about a name that no model has: the nearest one. Empty where none is near.
 std::string nearestTo(const std::string& name, const simulation::Programs& programs) {
   // a client and an author of a model choose the names: their number and length are bounded
@@ -62,35 +26,12 @@ std::string nearestTo(const std::string& name, const simulation::Programs& progr
   for (const auto& program : programs) {
     const auto& variables = program->systems.front().variables;
     names.insert(names.end(), variables.begin(), variables.end());
-    const std::vector<std::string_view> defined = definedNames(*program);
+    const std::vector<std::string_view> defined = language::definedNames(*program);
     names.insert(names.end(), defined.begin(), defined.end());
   }
   names.resize(std::min(names.size(), kMostNames));
   const std::string_view nearest = name.size() > kLongest ? std::string_view{} : core::nearestName(name, names);
   return nearest.empty() ? std::string{} : ". Did you mean '" + std::string(nearest) + "'?";
-}
-
-/// The model with other values of the names that it defines.
-language::CompileResult withDefines(const language::Program& program,
-                                    const std::vector<std::pair<std::string, std::string>>& defines,
-                                    const core::Limits& limits) {
-  language::CompileInput input;
-  input.modelFile = program.modelFile;
-  input.viewFile = program.viewFile;
-  input.compatibility = program.compatibility;
-  input.defines = program.defines;
-  input.limits = limits;
-  core::MemoryFileProvider files;
-  for (const auto& file : program.sources) {
-    files.add(file.name, file.text);
-  }
-  for (const auto& define : defines) {
-    if (isDefined(program, define.first)) {
-      std::erase_if(input.defines, [&define](const auto& old) { return old.first == define.first; });
-      input.defines.push_back(define);
-    }
-  }
-  return language::compile(input, files);
 }
 
 }  // namespace
@@ -444,7 +385,7 @@ std::optional<protocol::Error> HostedSimulation::set(const std::vector<std::pair
 std::optional<protocol::Error> HostedSimulation::define(
     const std::vector<std::pair<std::string, std::string>>& defines) {
   for (const auto& [name, value] : defines) {
-    const auto hasName = [&name = name](const auto& program) { return isDefined(*program, name); };
+    const auto hasName = [&name = name](const auto& program) { return language::definesName(*program, name); };
     if (std::none_of(simulation_->programs().begin(), simulation_->programs().end(), hasName)) {
       return protocol::memberError(
           "params.parameters." + name,
@@ -454,7 +395,7 @@ std::optional<protocol::Error> HostedSimulation::define(
   // each model that defines a name takes the new value
   simulation::Programs programs;
   for (const auto& program : simulation_->programs()) {
-    auto compiled = withDefines(*program, defines, limits_);
+    auto compiled = language::withDefinitions(*program, defines, limits_);
     if (compiled.program == nullptr) {
       return toError(compiled.diagnostics.entries());
     }

@@ -24,6 +24,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>>& directions(
       {"server/remote/", {"engine/", "environment/", "protocol/", "server/remote/"}},
       {"server/language_server/", {"engine/core/", "engine/files/", "engine/language/", "server/language_server/"}},
       {"server/", {"engine/", "environment/", "protocol/", "server/"}},
+      {"clients/bmi/", {"engine/", "environment/", "protocol/", "server/remote/", "clients/bmi/"}},
       {"clients/cpp/", {"protocol/", "clients/cpp/"}},
       {"clients/web/", {"clients/web/"}},
       {"clients/espalier/", {"engine/", "environment/", "protocol/", "server/", "clients/"}},

@@ -10,7 +10,7 @@ namespace espalier::test {
 /// Each returns one sentence per breach, with the file's name first; none: the rule holds.
 
 /// Includes go only along the arrows of the folders: core <- files <- language <- derivation <- turtle <- simulation,
-/// turtle <- environment, protocol alone, server/remote on all of them, server on server/remote, clients/cpp on
+/// turtle <- environment, protocol alone, server/remote on all of them, server and clients/bmi on server/remote, clients/cpp on
 /// protocol, clients/espalier on everything.
 [[nodiscard]] std::vector<std::string> wrongDirections(const std::vector<SourceFile>& files);
 

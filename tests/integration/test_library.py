@@ -45,7 +45,7 @@ class Library(Installed):
 
     def test_an_unknown_component_is_named(self) -> None:
         cmake = code("cmake").replace("COMPONENTS engine", "COMPONENTS motor")
-        with self.assertRaisesRegex(AssertionError, "no component 'motor'. +Available: client, engine,"):
+        with self.assertRaisesRegex(AssertionError, "no component 'motor'. +Available: bmi, client, engine,"):
             self.build_project(self.project("wrong", cmake.replace("grow", "wrong"), ""))
 
     def test_a_plugin_built_against_the_installed_header_answers(self) -> None:
