@@ -1,5 +1,6 @@
 """The Basic Model Interface in C++ against the installed package: a driver of a simulation, and a component as an environment."""
 
+import importlib.util
 import json
 import re
 import shutil
@@ -8,9 +9,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Any, List
-
-import importlib.util
+from typing import Any, ClassVar, Dict, List
 
 from installation import Installed, run
 from support import REPOSITORY, SECONDS, program, stdio, variables
@@ -155,6 +154,7 @@ endlsystem
 class BmiInCpp(Installed):
     project: Path
     programs: Path
+    built: ClassVar[Dict[str, Path]] = {}  # plug-ins by their sources
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -183,10 +183,15 @@ class BmiInCpp(Installed):
 
     def plugin(self, source: str, name: str) -> str:
         """A plug-in built against the installed headers, with the warnings that a strict project has."""
+        if source in self.built:
+            shutil.copy(self.built[source], self.work / f"lib{name}.so")
+            return f"./lib{name}.so"
         (self.work / f"{name}.cpp").write_text(source, encoding="utf-8")
         include = self.prefix / "include" / "espalier"
-        run("c++", "-std=c++20", "-O1", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", f"-I{include}", f"-I{include}/clients/bmi", f"-I{EXAMPLE}",
+        run("c++", "-std=c++20", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", f"-I{include}", f"-I{include}/clients/bmi", f"-I{EXAMPLE}",
             str(self.work / f"{name}.cpp"), "-o", str(self.work / f"lib{name}.so"))
+        self.built[source] = self.folder / f"{len(self.built)}.so"
+        shutil.copy(self.work / f"lib{name}.so", self.built[source])
         return f"./lib{name}.so"
 
     def derived(self, *arguments: str) -> str:
