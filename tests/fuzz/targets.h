@@ -21,6 +21,7 @@ void fuzzMtg(std::string_view text);         // a multiscale tree graph, read in
 void fuzzPoints(std::string_view bytes);     // a point cloud: LAS or PLY
 void fuzzTerrain(std::string_view bytes);    // a GeoTIFF of heights
 void fuzzRoots(std::string_view text);       // a root system: RSML, or a table; its model
+void fuzzVti(std::string_view text);         // image data of VTK, as an environment begins with them
 
 struct NamedTarget {
   std::string_view name;  // as its folder of regressions and its program
@@ -39,6 +40,7 @@ inline constexpr NamedTarget kTargets[] = {
     {"roots", fuzzRoots},
     {"points", fuzzPoints},
     {"terrain", fuzzTerrain},
+    {"vti", fuzzVti},
 };
 
 }  // namespace espalier::fuzz

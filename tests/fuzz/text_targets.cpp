@@ -8,6 +8,8 @@
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
 #include "engine/turtle/export/text/mtg.h"
+#include "engine/turtle/export/text/rsml.h"
+#include "environment/output/field_output.h"
 #include "server/remote/terrain/geotiff.h"
 #include "tests/fuzz/bundle.h"
 #include "tests/fuzz/small_limits.h"
@@ -78,6 +80,21 @@ void fuzzRoots(std::string_view text) {
     ESPALIER_CHECK(roots->nodes[i].parent == roots::RootSystem::kNone || roots->nodes[i].parent < i);
   }
   ESPALIER_CHECK(roots::modelOf(*roots).starts_with("Lsystem"));
+  const turtle::RsmlLabels labels = roots::labelsOf(*roots);
+  for (const turtle::RsmlLabels::Piece& piece : labels.pieces) {
+    ESPALIER_CHECK(piece.root < labels.roots.size() && labels.roots[piece.root].plant < labels.plants.size());
+  }
+}
+
+void fuzzVti(std::string_view text) {
+  const auto fields = environment::readVti(text);
+  if (!fields) {
+    ESPALIER_CHECK(!fields.error().empty());
+    return;
+  }
+  for (const turtle::Field& field : *fields) {
+    ESPALIER_CHECK(field.values.size() == field.cells[0] * field.cells[1] * field.cells[2]);
+  }
 }
 
 }  // namespace espalier::fuzz
