@@ -72,8 +72,14 @@ std::vector<core::Diagnostic> bracketWarnings(const std::string& file, std::stri
 }
 
 /// The root system of a file. Prints an error and returns nothing after it.
-std::optional<roots::RootSystem> readRootFile(const std::string& file, bool isQuiet, core::FileProvider& files) {
-  auto read = roots::readRoots(file, files.read(file).value_or(""));
+std::optional<roots::RootSystem> readRootFile(const std::string& file, bool isQuiet, core::FileProvider& files,
+                                              const core::Limits& limits) {
+  const std::optional<std::string> text = files.read(file);
+  if (!text) {
+    printError("'" + file + "' cannot be read, or is larger than 256 MB: check the name, or give a smaller file");
+    return std::nullopt;
+  }
+  auto read = roots::readRoots(file, *text, roots::mostDrawnPoints(limits.maximumSourceBytes));
   if (!read) {
     printError(file + ", " + read.error());
     return std::nullopt;
@@ -116,7 +122,7 @@ std::optional<std::string> readStartString(const ModelOptions& options, const st
     }
   }
   if (roots::isRootFile(file)) {
-    std::optional<roots::RootSystem> roots = readRootFile(file, isQuiet, files);
+    std::optional<roots::RootSystem> roots = readRootFile(file, isQuiet, files, options.simulationLimits());
     if (!roots) {
       return std::nullopt;
     }
@@ -167,7 +173,8 @@ std::map<std::uint64_t, std::string> filesOfSeries(const std::string& pattern) {
 
 /// The root system of a time series; `file` becomes the last of its files. The number of a file is its day, counted
 /// from the first. Prints an error and returns nothing after it.
-std::optional<roots::RootSystem> readRootSeries(std::string& file, bool isQuiet, core::FileProvider& files) {
+std::optional<roots::RootSystem> readRootSeries(std::string& file, bool isQuiet, core::FileProvider& files,
+                                                const core::Limits& limits) {
   const std::map<std::uint64_t, std::string> found = filesOfSeries(file);
   if (found.empty()) {
     printError("there is no file '" + numberedName(file, 0, 0) +
@@ -176,7 +183,7 @@ std::optional<roots::RootSystem> readRootSeries(std::string& file, bool isQuiet,
   }
   std::vector<roots::DatedRoots> series;
   for (const auto& [number, name] : found) {
-    std::optional<roots::RootSystem> roots = readRootFile(name, isQuiet, files);
+    std::optional<roots::RootSystem> roots = readRootFile(name, isQuiet, files, limits);
     if (!roots) {
       return std::nullopt;
     }
@@ -450,7 +457,7 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
   std::error_code error;
   const bool isSeries = roots::isRootFile(options.model) && options.model.find('%') != std::string::npos &&
                         !std::filesystem::is_regular_file(options.model, error);
-  if (isSeries && !(roots = readRootSeries(options.model, options.isQuiet, files))) {
+  if (isSeries && !(roots = readRootSeries(options.model, options.isQuiet, files, options.simulationLimits()))) {
     return nullptr;
   }
   const server::FoundModel found = server::findModelFiles(options.model, options.object);
@@ -482,7 +489,7 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
 
   std::optional<RootModelFiles> rootFiles;
   if (roots::isRootFile(modelFiles.model)) {
-    if (!roots && !(roots = readRootFile(modelFiles.model, options.isQuiet, files))) {
+    if (!roots && !(roots = readRootFile(modelFiles.model, options.isQuiet, files, options.simulationLimits()))) {
       return nullptr;
     }
     if (roots->nodes.empty()) {
@@ -498,7 +505,15 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
       printError(modelFiles.model + ": " + *problem);
       return nullptr;
     }
-    rootFiles.emplace(files, modelFiles.model, roots::modelOf(*roots));
+    std::string model = roots::modelOf(*roots);
+    if (const std::uint64_t most = options.simulationLimits().maximumSourceBytes; model.size() > most) {
+      printError(modelFiles.model + ": its " + std::to_string(roots->nodes.size()) +
+                 " points are more than can be drawn: 'espalier traits' measures more, and --limit sourceBytes=" +
+                 std::to_string(model.size()) + " lets them be drawn");
+      return nullptr;
+    }
+    rootFiles.emplace(files, modelFiles.model, std::move(model));
+    options.rootLabels = std::make_shared<turtle::RsmlLabels>(roots::labelsOf(*roots));
     options.view += options.view.empty() ? modelFiles.model + RootModelFiles::kViewSuffix : "";
   }
   language::CompileInput input;

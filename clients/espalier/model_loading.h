@@ -13,6 +13,7 @@
 #include "engine/core/streams.h"
 #include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
+#include "engine/turtle/export/text/rsml.h"
 #include "server/remote/models/folder_settings.h"
 
 namespace CLI {
@@ -33,9 +34,11 @@ struct ModelOptions {
   std::string compatibility;         // "", "cpfg" or "cpfg-batch"
   std::vector<std::string> defines;  // NAME=VALUE
   std::vector<std::string> limits;   // NAME=NUMBER
-  unsigned threads = 0;              // 0: as many as the process may use
-  bool isAnimated = false;           // the animation file decides which step is the last
-  std::string startFile;             // string that takes the axiom's place; empty: none
+  /// loadProgram() sets it for a file of roots; null: none.
+  std::shared_ptr<const turtle::RsmlLabels> rootLabels;
+  unsigned threads = 0;     // 0: as many as the process may use
+  bool isAnimated = false;  // the animation file decides which step is the last
+  std::string startFile;    // string that takes the axiom's place; empty: none
   RemoteOptions remote;
   simulation::Coupling coupling;
   std::string world;         // a file; empty: that of the folder or of the forest, or the default

@@ -190,13 +190,14 @@ TEST(RsmlReader, SamplesWithoutAPlaceAreRefused) {
     return readRsml(rootWith(points, function)).error();
   };
   EXPECT_EQ(
-      problem("<function name='diameter' domain='polyline'><sample value='4'/><sample value='2'/></function>"),
-      "line 2: the function 'diameter' of the root 'a' has 2 samples, and the root has 3 points. Write one sample "
-      "for each point, or one for the whole root");
+      problem("<function name='diameter' domain='polyline'><sample value='4'/><sample value='2'/><sample value='2'/>"
+              "<sample value='2'/></function>"),
+      "line 2: the function 'diameter' of the root 'a' has 4 samples, and the root has 3 points. Write at most one "
+      "sample for each point, or one for the whole root");
   EXPECT_EQ(problem("<function name='emergence_time'><sample value='4'/><sample value='2'/></function>",
                     "<point x='0' y='0'/>"),
-            "line 2: the function 'emergence_time' of the root 'a' has 2 samples, and the root has 1 point. Write one "
-            "sample for each point, or one for the whole root");
+            "line 2: the function 'emergence_time' of the root 'a' has 2 samples, and the root has 1 point. Write at "
+            "most one sample for each point, or one for the whole root");
   EXPECT_EQ(problem("<function name='diameter' domain='length'><sample value='4'/><sample value='2'/></function>"),
             "line 2: the function 'diameter' of the root 'a' has samples along the length without a position. Write it "
             "at each sample, or a step");
@@ -208,6 +209,24 @@ TEST(RsmlReader, SamplesWithoutAPlaceAreRefused) {
             "uniform");
   EXPECT_EQ(problem("<function name='diameter' domain='length'><sample position='one' value='4'/></function>"),
             "line 2: expected a number, found 'one'. Write a number there, with a decimal point");
+}
+
+TEST(RsmlReader, TheLastPointsMayHaveNoSample) {
+  const auto roots = readRsml(rootWith(
+      kThreePoints, "<function name='diameter' domain='polyline'><sample value='4'/><sample value='2'/></function>"));
+  ASSERT_TRUE(roots) << roots.error();
+  EXPECT_EQ(roots->nodes[1].radius, 1.0);
+  EXPECT_EQ(roots->nodes[2].radius, 0.0);
+  ASSERT_EQ(roots->axes.size(), 1U);
+  EXPECT_EQ(roots->axes[0].id, "a");
+  EXPECT_EQ(roots->axes[0].firstDiameter, 4.0);
+}
+
+TEST(RsmlReader, MorePointsThanAreAllowedEndTheReading) {
+  const auto refused = readRsml(rootWith(kThreePoints, ""), 2);
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE(refused.error().starts_with("line 2: the file has more than 2 points, which is as many as can be drawn"))
+      << refused.error();
 }
 
 TEST(RsmlReader, ElementsMayHaveThePrefixOfANamespace) {

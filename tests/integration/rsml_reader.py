@@ -37,9 +37,10 @@ class Function:
 @dataclass
 class Root:
     identifier: str
-    plant: int
+    plant: int  # place in `plants`
     parent: Optional[int]  # place in `roots`
     points: List[Point]
+    label: str = ""
     functions: Dict[str, Function] = field(default_factory=dict)
     properties: Dict[str, str] = field(default_factory=dict)
     annotations: Dict[str, List[Point]] = field(default_factory=dict)
@@ -88,12 +89,15 @@ class RsmlFile:
         assert local(top) == "rsml", top.tag
         self.unit = "".join(each.text or "" for each in children(top, "metadata", "unit"))
         self.roots: List[Root] = []
+        self.plants: List[Tuple[str, str]] = []  # identifier and label
         for number, plant in enumerate(children(top, "scene", "plant")):
+            self.plants.append((plant.get("ID", ""), plant.get("label", "")))
             for root in children(plant, "root"):
                 self._add(root, number, None)
 
     def _add(self, element: ElementTree.Element, plant: int, parent: Optional[int]) -> None:
-        root = Root(element.get("ID", ""), plant, parent, [_point(point) for point in children(element, "geometry", "polyline", "point")])
+        root = Root(element.get("ID", ""), plant, parent, [_point(point) for point in children(element, "geometry", "polyline", "point")],
+                    label=element.get("label", ""))
         for each in children(element, "functions", "function"):
             root.functions[each.attrib["name"]] = Function(each.get("domain", "polyline"), [_sample(sample) for sample in children(each, "sample")])
         for holder in children(element, "properties"):

@@ -95,7 +95,8 @@ class RootMarkup(unittest.TestCase):
 
         def diameters(points: List[Point]) -> str:
             domain = chance.choice(("polyline", "uniform", "length"))
-            count = len(points) if domain == "polyline" else chance.randrange(2, 6)
+            # the last points may have no value
+            count = max(2, len(points) - chance.randrange(2)) if domain == "polyline" else chance.randrange(2, 6)
             samples = []
             for i in range(count):
                 place = f' position="{round(i * 0.7 + chance.random() / 2, 3)}"' if domain == "length" else ""
@@ -109,14 +110,14 @@ class RootMarkup(unittest.TestCase):
                 x, y, z = points[-1]
                 points.append((round(x + chance.uniform(-1, 1), 3), round(y - chance.uniform(0.2, 1), 3), chance.choice((0.0, round(z + 0.25, 3)))))
             nodes = [chance.randrange(1, len(points)) for _ in range(chance.randrange(3) if depth < 3 else 0)]
-            return (f'<root ID="{chance.randrange(10 ** 6)}" label="r" po:accession="PO:0020127"><properties>' +
+            return (f'<root ID="{chance.randrange(10 ** 6)}" label="r{depth} &amp; &quot;{node}&quot;" po:accession="PO:0020127"><properties>' +
                     (f'<parent-node value="{node}"/>' if node >= 0 else "") + '<category value="seminal"/></properties><geometry>' +
                     f'<rootnavspline controlpointseparation="50">{point((9.0, 9.0, 9.0))}</rootnavspline>' +
                     f'<polyline>{"".join(map(point, points))}</polyline></geometry><functions><function name="orientation" domain="polyline">' +
                     f'<sample value="7"/></function>{diameters(points)}</functions>' + "".join(root(points[at], depth + 1, at) for at in nodes) +
                     f'<annotations><annotation name="note">{point((5.0, 5.0, 0.0))}<value>by eye</value></annotation></annotations></root>')
 
-        plants = "".join(f'<plant ID="{i}">{root((10.0 * i, 0.0, 0.0), 1, -1)}</plant>' for i in range(2))
+        plants = "".join(f'<plant ID="p{i}" label="Béla &lt;{i}&gt;">{root((10.0 * i, 0.0, 0.0), 1, -1)}</plant>' for i in range(2))
         return ('<?xml version="1.0"?><rsml xmlns:po="http://www.plantontology.org/xml-dtd/po.dtd"><metadata><version>1</version><unit>cm</unit>'
                 f"<resolution>1</resolution></metadata><scene>{plants}</scene></rsml>")
 
@@ -130,12 +131,17 @@ class RootMarkup(unittest.TestCase):
             found = self.read("out.rsml")
             self.assertEqual(found.unit, "cm")
             self.assertSegments(list(found.segments()), list(source.segments()), 9)
-            # roots may come in another order, and all are of one plant; each has its own points and parent
+            # roots may come in another order; each has its own names, points, parent and plant
 
-            def known(file: RsmlFile) -> List[Tuple[List[Point], Optional[List[Point]]]]:
-                return sorted((root.points, None if root.parent is None else file.roots[root.parent].points) for root in file.roots)
+            def known(file: RsmlFile) -> List[Tuple[Tuple[str, str], str, str, List[Point], Optional[List[Point]]]]:
+                return sorted((file.plants[root.plant], root.identifier, root.label, root.points,
+                               None if root.parent is None else file.roots[root.parent].points) for root in file.roots)
 
             self.assertEqual(known(found), known(source))
+            self.assertEqual(found.plants, [("p0", "Béla <0>"), ("p1", "Béla <1>")])
+            # the second time nothing changes at all
+            espalier("run", str(self.folder / "out.rsml"), "-o", str(self.folder / "again.rsml"))
+            self.assertEqual((self.folder / "again.rsml").read_bytes(), (self.folder / "out.rsml").read_bytes())
             domains |= {root.functions["diameter"].domain for root in source.roots}
             laterals += sum(root.parent is not None for root in source.roots)
             self.assertTrue(all(root.annotations["note"] == [(5.0, 5.0, 0.0)] and root.properties["category"] == "seminal" for root in source.roots))
@@ -143,6 +149,38 @@ class RootMarkup(unittest.TestCase):
             self.assertAlmostEqual(float(traits["length\t"]), sum(root.positions()[-1] for root in source.roots), 9)
         self.assertEqual(domains, {"polyline", "uniform", "length"})
         self.assertGreater(laterals, 10)
+
+    def test_days_keep_their_fractions_and_first_points_their_values(self) -> None:
+        def root(name: str, place: float, days: Tuple[float, ...], inside: str = "", node: str = "") -> str:
+            points = "".join(f'<point x="{place}" y="{-i}"/>' for i in range(len(days)))
+            samples = "".join(f'<sample value="{day}"/>' for day in days)
+            return (f'<root ID="{name}">{node}<geometry><polyline>{points}</polyline></geometry><functions><function name="diameter" domain="polyline">'
+                    f'{"".join(f"<sample value={chr(34)}{0.5 - i / 10}{chr(34)}/>" for i in range(len(days)))}</function><function name="emergence_time" '
+                    f'domain="polyline">{samples}</function></functions>{inside}</root>')
+
+        text = ("<rsml><metadata><unit>cm</unit></metadata><scene><plant ID=\"1\">" + root("a", 0.0, (0.25, 1.75, 3.125, 3.5)) +
+                root("b", 5.0, (0.5, 2.5, 7.0625)) + '</plant><plant ID="2">' + root("c", 9.0, (1.1, 1.2)) + "</plant></scene></rsml>")
+        (self.folder / "in.rsml").write_text(text, encoding="utf-8")
+        source = {root.identifier: root for root in RsmlFile(text).roots}
+        for more in ((), ("--every",)):
+            espalier("run", str(self.folder / "in.rsml"), *more, "-o", str(self.folder / "out.rsml"))
+            found = self.read("out.rsml")
+            self.assertEqual(sorted(root.identifier for root in found.roots), ["a", "b", "c"])
+            for each in found.roots:
+                for name in ("emergence_time", "diameter"):
+                    self.assertEqual(each.values(name), source[each.identifier].values(name), (each.identifier, name, more))
+            self.assertEqual([found.plants[root.plant][0] for root in found.roots], ["1", "1", "2"])
+
+    def test_more_points_than_can_be_drawn_are_one_sentence_at_once(self) -> None:
+        # as a limit of a million bytes: 20,000 points
+        points = "".join(f'<point x="{i % 7}" y="-{i}"/>' for i in range(20_001))
+        (self.folder / "in.rsml").write_text(f'<rsml><scene><plant ID="1"><root ID="a"><geometry><polyline>{points}</polyline></geometry></root></plant>'
+                                             "</scene></rsml>", encoding="utf-8")
+        said = espalier("run", str(self.folder / "in.rsml"), "--limit", "sourceBytes=1000000", "-o", str(self.folder / "out.rsml"), status=1).stderr
+        self.assertRegex(said, r"^error: .*in.rsml, line 1: the file has more than 20000 points, which is as many as can be drawn: 'espalier traits' "
+                               r"measures more, and --limit sourceBytes=N lets more be drawn \(50 bytes a point\)\.?\n$")
+        self.assertFalse((self.folder / "out.rsml").exists())
+        self.assertIn("length\t\t", espalier("traits", str(self.folder / "in.rsml")).stdout)
 
 
 if __name__ == "__main__":

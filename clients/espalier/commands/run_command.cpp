@@ -287,6 +287,7 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
     return kFailure;
   }
   options.outputs.lengthUnit = model.lengthUnit;
+  options.outputs.rootLabels = model.rootLabels;
   if (variant == 1 &&
       std::none_of(loaded->programs.begin(), loaded->programs.end(),
                    [](const auto& program) { return drawsRandomNumbers(*program); }) &&

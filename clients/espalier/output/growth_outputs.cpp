@@ -61,7 +61,8 @@ bool GrowthOutputs::addFrame(const simulation::Simulation& simulation) {
                                   .detail = options_.detail,
                                   .threads = options_.picture.threads,
                                   .lengthUnit = lengthUnitOf(options_, simulation),
-                                  .stepDurationDays = simulation.options().world.stepDurationDays};
+                                  .stepDurationDays = simulation.options().world.stepDurationDays,
+                                  .rsml = options_.rootLabels.get()};
   for (const auto& file : files_) {
     if (const auto problem = file->growth->addFrame(input, simulation.completedSteps())) {
       printError("cannot write '" + file->content.name() + "': " + *problem);

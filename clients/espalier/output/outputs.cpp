@@ -380,6 +380,7 @@ std::optional<std::string> OutputWriter::exportTo(const simulation::Simulation& 
                                   .step = simulation.completedSteps(),
                                   .lengthUnit = lengthUnitOf(options_, simulation),
                                   .stepDurationDays = simulation.options().world.stepDurationDays,
+                                  .rsml = options_.rootLabels.get(),
                                   .program = &simulation.program(),
                                   .programs = programs,
                                   .strings = strings,

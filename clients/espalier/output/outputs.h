@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,6 +31,7 @@ struct OutputOptions {
   RenderOptions render;         // of PNG files; the camera of the others does not change
   std::uint64_t turntable = 0;  // pictures of one turn of the plant; 0: it stands still
   std::string lengthUnit;       // of the plants; empty: that of the world, unless it is the default
+  std::shared_ptr<const turtle::RsmlLabels> rootLabels;  // of a model that is a file of roots; null: none
 };
 
 /// Adds -o, --format and the options for pictures and meshes: --size, --background, --framing, --colours, --render and

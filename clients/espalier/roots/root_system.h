@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/core/vec3.h"
+#include "engine/turtle/export/text/rsml.h"
 #include "engine/turtle/scene/scene.h"
 
 namespace espalier::roots {
@@ -26,8 +27,10 @@ struct RootSystem {
     double emergence = std::numeric_limits<double>::quiet_NaN();  // day; not a number: unknown
   };
   std::vector<Node> nodes;
-  std::string unit;    // of lengths; empty: unknown
-  std::string remark;  // what could not be read as the file says it; empty: nothing
+  std::vector<turtle::RsmlLabels::Plant> plants;  // of the file; empty: not known
+  std::vector<turtle::RsmlLabels::Root> axes;     // by number, with what a node does not hold; empty: not known
+  std::string unit;                               // of lengths; empty: unknown
+  std::string remark;                             // what could not be read as the file says it; empty: nothing
 };
 
 /// Files with larger coordinates are refused: lengths between them could not be computed.
@@ -37,15 +40,23 @@ inline constexpr double kLargestCoordinate = 1e100;
 /// functions `diameter` and `emergence_time` (or `node_creation_time`) in all domains, the unit of lengths. Points and
 /// samples elsewhere, as in annotations, belong to no root. A lateral begins at the point `parent-node`, or else at the
 /// nearest point of its parent. An error is a sentence with the line, as for a unit that is unknown or samples that do
-/// not fit the points. At most 10 million points and 1000 orders.
-[[nodiscard]] tl::expected<RootSystem, std::string> readRsml(std::string_view text);
+/// not fit the points. At most `mostPoints` points and 1000 orders. Memory: about 100 bytes a point beside the text.
+inline constexpr std::size_t kMostPoints = 10'000'000;
+[[nodiscard]] tl::expected<RootSystem, std::string> readRsml(std::string_view text,
+                                                             std::size_t mostPoints = kMostPoints);
 
 /// Reads a table with the columns node, parent, x, y, z and, if there are such, radius, order and emergence, separated
 /// by tabs; a parent of −1 makes a collar. Nodes stand in any order. An error is a sentence with the line.
 [[nodiscard]] tl::expected<RootSystem, std::string> readRootTable(std::string_view text);
 
 /// One of both by the ending of a file's name: `.rsml`, or a table.
-[[nodiscard]] tl::expected<RootSystem, std::string> readRoots(const std::string& fileName, std::string_view text);
+[[nodiscard]] tl::expected<RootSystem, std::string> readRoots(const std::string& fileName, std::string_view text,
+                                                              std::size_t mostPoints = kMostPoints);
+
+/// The most points of roots that can be drawn by a model whose source has so many bytes.
+[[nodiscard]] constexpr std::size_t mostDrawnPoints(std::size_t sourceBytes) {
+  return sourceBytes / 50;
+}
 
 /// The lines that plants draw, by the segments that they grow from.
 [[nodiscard]] RootSystem rootsOf(const turtle::Scene& scene);
@@ -79,5 +90,8 @@ struct DatedRoots {
 /// the last emergence, in which segments appear and grow older. Otherwise its axiom is that string, and it has no
 /// productions. `roots` has no problemOfDays().
 [[nodiscard]] std::string modelOf(const RootSystem& roots);
+
+/// What a file of the drawn roots says beside their lines: plants, names, exact days. Empty for a table.
+[[nodiscard]] turtle::RsmlLabels labelsOf(const RootSystem& roots);
 
 }  // namespace espalier::roots

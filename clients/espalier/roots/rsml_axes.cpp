@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "engine/core/number_text.h"
 
@@ -11,30 +13,34 @@ namespace {
 
 /// Points that are looked at to find where laterals begin, in all. A file of people needs a small part of it.
 constexpr std::uint64_t kMostLooks = 1'000'000'000;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 class AxisJoin {
  public:
-  explicit AxisJoin(std::span<const RsmlAxis> axes) : axes_(axes) {}
+  explicit AxisJoin(std::vector<RsmlAxis> axes) : axes_(std::move(axes)) {}
 
   [[nodiscard]] tl::expected<RootSystem, std::string> joined(const std::string& unit) {
     RootSystem roots;
     roots.unit = unit;
     std::vector<std::vector<std::uint32_t>> nodesOf(axes_.size());
     for (std::size_t i = 0; i < axes_.size(); ++i) {
-      const RsmlAxis& axis = axes_[i];
+      RsmlAxis& axis = axes_[i];
+      roots.axes.push_back({.id = std::move(axis.id), .label = std::move(axis.label), .plant = axis.plant});
+      roots.axes.back().firstDiameter = axis.diameters.empty() ? kUnknown : axis.diameters.front();
+      roots.axes.back().firstDay = axis.emergences.empty() ? kUnknown : axis.emergences.front();
       const bool isLateral = axis.parent != std::string::npos && !nodesOf[axis.parent].empty() && !axis.points.empty();
       for (std::size_t k = 0; k < axis.points.size(); ++k) {
         RootSystem::Node node;
         node.place = axis.points[k];
         node.order = axis.order;
         node.axis = static_cast<std::uint32_t>(i);
-        node.radius = axis.diameters.empty() ? 0.0 : 0.5 * axis.diameters[k];
+        node.radius = axis.diameters.empty() || std::isnan(axis.diameters[k]) ? 0.0 : 0.5 * axis.diameters[k];
         if (!axis.emergences.empty()) {
           node.emergence = axis.emergences[k];
         }
         if (k == 0 && isLateral) {
           node.parent = joinOf(roots, axis, nodesOf[axis.parent]);
-          noteGap(axis, axes_[axis.parent].points, core::length(roots.nodes[node.parent].place - node.place));
+          noteGap(roots, axis, nodesOf[axis.parent], core::length(roots.nodes[node.parent].place - node.place));
           if (roots.nodes[node.parent].place == node.place) {
             // the lateral begins at the point itself
             nodesOf[i].push_back(node.parent);
@@ -46,18 +52,22 @@ class AxisJoin {
         nodesOf[i].push_back(static_cast<std::uint32_t>(roots.nodes.size()));
         roots.nodes.push_back(node);
       }
+      isEmpty_.push_back(axis.points.empty());
+      axis.points = {};
+      axis.diameters = {};
+      axis.emergences = {};
     }
     if (wrongJoins_ > 0) {
       roots.remark =
           std::to_string(wrongJoins_) + (wrongJoins_ == 1 ? " lateral begins" : " laterals begin") +
           " at the nearest point of the parent, because the file names a point that is not there: " + firstWrongJoin_;
     }
-    const auto isLeftOut = [](const RsmlAxis& axis) { return axis.points.empty(); };
-    if (const auto count = std::ranges::count_if(axes_, isLeftOut); count > 0) {
-      roots.remark += (roots.remark.empty() ? "" : "; ") + std::to_string(count) +
-                      (count == 1 ? " root has no points of a polyline and is left out: line "
-                                  : " roots have no points of a polyline and are left out: line ") +
-                      std::to_string(std::ranges::find_if(axes_, isLeftOut)->line);
+    if (const auto count = std::ranges::count(isEmpty_, true); count > 0) {
+      roots.remark +=
+          (roots.remark.empty() ? "" : "; ") + std::to_string(count) +
+          (count == 1 ? " root has no points of a polyline and is left out: line "
+                      : " roots have no points of a polyline and are left out: line ") +
+          std::to_string(axes_[static_cast<std::size_t>(std::ranges::find(isEmpty_, true) - isEmpty_.begin())].line);
     }
     if (gaps_ > 0) {
       roots.remark +=
@@ -102,10 +112,11 @@ class AxisJoin {
   }
 
   /// Counts a lateral that begins away from its parent.
-  void noteGap(const RsmlAxis& lateral, const std::vector<core::Vec3>& parent, double distance) {
+  void noteGap(const RootSystem& roots, const RsmlAxis& lateral, const std::vector<std::uint32_t>& parent,
+               double distance) {
     double apart = 0.0;
     for (std::size_t k = 1; k < parent.size() && !(apart >= distance); ++k) {
-      apart = std::max(apart, core::length(parent[k] - parent[k - 1]));
+      apart = std::max(apart, core::length(roots.nodes[parent[k]].place - roots.nodes[parent[k - 1]].place));
     }
     if (parent.size() > 1 && distance > apart && gaps_++ == 0) {
       core::appendNumber(firstGap_, distance, core::NumberStyle::Shortest);
@@ -113,8 +124,9 @@ class AxisJoin {
     }
   }
 
-  std::span<const RsmlAxis> axes_;  // of the caller; parents come first
-  std::size_t wrongJoins_ = 0;      // laterals whose parent-node is not there
+  std::vector<RsmlAxis> axes_;  // parents come first; points and values are freed when they are joined
+  std::vector<bool> isEmpty_;   // has no points (axes_)
+  std::size_t wrongJoins_ = 0;  // laterals whose parent-node is not there
   std::string firstWrongJoin_;
   std::size_t gaps_ = 0;  // laterals that begin away from their parents
   std::string firstGap_;
@@ -123,8 +135,8 @@ class AxisJoin {
 
 }  // namespace
 
-tl::expected<RootSystem, std::string> joinAxes(std::span<const RsmlAxis> axes, const std::string& unit) {
-  return AxisJoin(axes).joined(unit);
+tl::expected<RootSystem, std::string> joinAxes(std::vector<RsmlAxis> axes, const std::string& unit) {
+  return AxisJoin(std::move(axes)).joined(unit);
 }
 
 }  // namespace espalier::roots

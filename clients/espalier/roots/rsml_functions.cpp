@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 namespace espalier::roots {
 
@@ -59,13 +61,14 @@ tl::expected<std::vector<double>, std::string> valuesAt(const RsmlFunction& func
     return std::vector<double>(points.size(), samples.front().value);
   }
   if (!isUniform && function.domain != "length") {
-    if (samples.size() != points.size()) {
+    if (samples.size() > points.size()) {
       return refused("has " + std::to_string(samples.size()) + " samples, and the root has " +
                      std::to_string(points.size()) + (points.size() == 1 ? " point" : " points") +
-                     ". Write one sample for each point, or one for the whole root");
+                     ". Write at most one sample for each point, or one for the whole root");
     }
     std::vector<double> values;
     std::ranges::transform(samples, std::back_inserter(values), &RsmlFunction::Sample::value);
+    values.resize(points.size(), std::numeric_limits<double>::quiet_NaN());
     return values;
   }
   if (function.step && !(*function.step > 0.0)) {

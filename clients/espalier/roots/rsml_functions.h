@@ -26,7 +26,8 @@ struct RsmlFunction {
 };
 
 /// The values of a function at the points of a root (points), at least one. One sample is the value of the whole root.
-/// Otherwise the domain says where the samples are: "polyline", or none: one at each point; "uniform": equally spread
+/// Otherwise the domain says where the samples are: "polyline", or none: one at each point,
+/// and the last points may have none (not a number); "uniform": equally spread
 /// from the first point to the last; "length": at their positions, or at origin + i · step. Between two samples values
 /// are interpolated linearly along the root, and before the first and behind the last they are constant. The error is
 /// a sentence that names the function and the root. O(points + samples · log samples).

@@ -16,8 +16,8 @@ namespace espalier::roots {
 
 namespace {
 
-constexpr std::size_t kMostPoints = 10'000'000;
 constexpr std::size_t kMostOrders = 1000;
+constexpr std::size_t kLongestName = 1000;  // of a root or plant
 /// Names of units of length, each list under the name that the root system gets. `pixel` is a unit of pictures.
 constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
     {"m", "m"},
@@ -72,6 +72,8 @@ std::string_view localName(std::string_view name) {
 
 class Reader {
  public:
+  explicit Reader(std::size_t mostPoints) : mostPoints_(mostPoints) {}
+
   tl::expected<RootSystem, std::string> read(std::string_view text) {
     const std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser(XML_ParserCreate(nullptr),
                                                                               XML_ParserFree);
@@ -109,7 +111,11 @@ class Reader {
     if (!problem_.empty()) {
       return tl::unexpected(problem_);
     }
-    return joinAxes(axes_, unit_);
+    auto joined = joinAxes(std::move(axes_), unit_);
+    if (joined) {
+      joined->plants = std::move(plants_);
+    }
+    return joined;
   }
 
  private:
@@ -162,10 +168,16 @@ class Reader {
     return std::nullopt;
   }
 
+  [[nodiscard]] static std::string nameOf(const char** attributes, std::string_view attribute) {
+    return std::string(attributeOf(attributes, attribute).value_or("").substr(0, kLongestName));
+  }
+
   void begin(std::string_view name, const char** attributes) {
     text_.clear();
     if (name == "scene") {
       hasScene_ = true;
+    } else if (name == "plant" && open_.empty()) {
+      plants_.push_back({.id = nameOf(attributes, "ID"), .label = nameOf(attributes, "label")});
     } else if (name == "root") {
       beginRoot(attributes);
     } else if (name == "point" && isInside({Element::Root, Element::Geometry, Element::Polyline})) {
@@ -217,7 +229,12 @@ class Reader {
   void beginRoot(const char** attributes) {
     RsmlAxis axis;
     axis.line = XML_GetCurrentLineNumber(parser_);
-    axis.id = attributeOf(attributes, "ID").value_or("").substr(0, 40);
+    axis.id = nameOf(attributes, "ID");
+    axis.label = nameOf(attributes, "label");
+    if (plants_.empty()) {
+      plants_.emplace_back();
+    }
+    axis.plant = static_cast<std::uint32_t>(plants_.size() - 1);
     axis.parent = open_.empty() ? std::string::npos : open_.back();
     axis.order = static_cast<std::uint32_t>(open_.size() + 1);
     if (open_.size() >= kMostOrders) {
@@ -251,7 +268,7 @@ class Reader {
       if (axis.points.empty() || !target.empty()) {
         continue;
       }
-      auto values = valuesAt(function, axis.points, axis.id);
+      auto values = valuesAt(function, axis.points, std::string_view(axis.id).substr(0, 40));
       if (!values) {
         failAt(function.line, values.error());
         return;
@@ -292,8 +309,13 @@ class Reader {
         fail("the coordinate " + std::string(field->substr(0, 40)) + " is beyond 1e100. Correct the number");
       }
     }
-    if (++pointCount_ > kMostPoints) {
-      fail("the file has more than " + std::to_string(kMostPoints) + " points. Give a smaller file");
+    if (++pointCount_ > mostPoints_) {
+      fail("the file has more than " + std::to_string(mostPoints_) +
+           (mostPoints_ < kMostPoints
+                ? " points, which is as many as can be drawn: 'espalier traits' measures more, and "
+                  "--limit sourceBytes=N lets more be drawn (50 bytes a point)"
+                : " points. Give a smaller file"));
+      return;
     }
     axes_[open_.back()].points.push_back(place);
   }
@@ -314,6 +336,8 @@ class Reader {
 
   XML_Parser parser_ = nullptr;
   std::string problem_;
+  std::size_t mostPoints_;
+  std::vector<turtle::RsmlLabels::Plant> plants_;
   std::vector<RsmlAxis> axes_;      // parents come first
   std::vector<std::size_t> open_;   // axes whose elements are open
   std::vector<Element> path_;       // elements that are open
@@ -330,8 +354,8 @@ class Reader {
 
 }  // namespace
 
-tl::expected<RootSystem, std::string> readRsml(std::string_view text) {
-  return Reader().read(text);
+tl::expected<RootSystem, std::string> readRsml(std::string_view text, std::size_t mostPoints) {
+  return Reader(mostPoints).read(text);
 }
 
 }  // namespace espalier::roots

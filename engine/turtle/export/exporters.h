@@ -23,6 +23,8 @@ struct PictureOptions;
 /// Receives the turtle's state after each module of a string (InterpretationOutput::onModule).
 using ModuleVisitor = std::function<void(const TurtleRecord&, std::uint64_t first)>;
 
+struct RsmlLabels;  // text/rsml.h
+
 /// A scene and its strings to export. Everything referred to must outlive the export.
 struct ExportInput {
   const Scene& scene;
@@ -38,6 +40,7 @@ struct ExportInput {
   std::optional<std::uint64_t> step = {};   // of the strings, for messages
   std::string_view lengthUnit = {};         // of all lengths; empty: unknown
   double stepDurationDays = 1.0;
+  const RsmlLabels* rsml = nullptr;                               // of lines that come from a file of roots; null: none
   const language::Program* program = nullptr;                     // of the strings
   std::span<const language::Program* const> programs = {};        // of each string; empty: all are of `program`
   std::span<const derivation::ModuleString* const> strings = {};  // of the plants, for formats of modules

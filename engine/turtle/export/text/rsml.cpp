@@ -5,8 +5,10 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "engine/core/hash.h"
@@ -80,12 +82,37 @@ struct RsmlFacts {
   std::string_view unit;              // empty: unknown
   std::optional<std::uint64_t> step;  // of a file that holds one step
   std::span<const double> days;       // of emergence (segments); or empty
+  const RsmlLabels* labels = nullptr;
 };
+
+/// The pieces of labels that are drawn after a step, if they are the lines of the scene; else none.
+std::vector<const RsmlLabels::Piece*> piecesOf(const RsmlLabels* labels, std::uint64_t step, std::size_t lines) {
+  std::vector<const RsmlLabels::Piece*> pieces;
+  if (labels != nullptr) {
+    for (const RsmlLabels::Piece& piece : labels->pieces) {
+      if (piece.step <= step) {
+        pieces.push_back(&piece);
+      }
+    }
+  }
+  if (pieces.size() != lines) {
+    pieces.clear();
+  }
+  return pieces;
+}
 
 class RsmlWriter {
  public:
-  RsmlWriter(std::span<const Segment> segments, const RsmlFacts& facts, core::ByteSink& sink)
-      : segments_(segments), facts_(facts), axes_(axesOf(segments)), decimals_(decimalsOf(segments)), out_(sink) {}
+  RsmlWriter(std::span<const Segment> segments, const RsmlFacts& facts, std::vector<const RsmlLabels::Piece*> pieces,
+             core::ByteSink& sink)
+      : segments_(segments),
+        facts_(facts),
+        pieces_(std::move(pieces)),
+        axes_(axesOf(segments)),
+        decimals_(decimalsOf(segments)),
+        out_(sink) {
+    hasLabelledDays_ = std::ranges::any_of(pieces_, [](const auto* piece) { return !std::isnan(piece->day); });
+  }
 
   void write() {
     out_ << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<rsml>\n<metadata><version>1</version><unit>";
@@ -102,9 +129,12 @@ class RsmlWriter {
       if (axes_[axis].parent != kNoParent) {
         continue;
       }
-      const std::uint32_t own = segments_[axes_[axis].segments.front()].plant;
+      const RsmlLabels::Root* const root = labelOf(axes_[axis]);
+      const std::uint32_t own = root != nullptr ? root->plant : segments_[axes_[axis].segments.front()].plant;
       if (!isOpen || own != plant) {
-        out_ << (isOpen ? "</plant>\n" : "") << "<plant ID=\"" << std::to_string(own) << "\">\n";
+        out_ << (isOpen ? "</plant>\n" : "") << "<plant";
+        named(root != nullptr ? facts_.labels->plants[own] : RsmlLabels::Plant(), own);
+        out_ << ">\n";
         isOpen = true;
         plant = own;
       }
@@ -119,7 +149,12 @@ class RsmlWriter {
       out_ << (letter == '&'   ? "&amp;"
                : letter == '<' ? "&lt;"
                : letter == '>' ? "&gt;"
-                               : std::string_view(&letter, 1));
+               : letter == '"' ? "&quot;"
+               // else a reader of XML gives a blank
+               : letter == '\n' ? "&#10;"
+               : letter == '\t' ? "&#9;"
+               : letter == '\r' ? "&#13;"
+                                : std::string_view(&letter, 1));
     }
   }
 
@@ -154,10 +189,83 @@ class RsmlWriter {
     out_ << "/>";
   }
 
+  /// The label of an axis; null: none.
+  [[nodiscard]] const RsmlLabels::Root* labelOf(const Axis& axis) const {
+    return pieces_.empty() ? nullptr : &facts_.labels->roots[pieces_[axis.segments.front()]->root];
+  }
+
+  /// The attributes that name a plant or root; without a name of its own it has its number.
+  template <typename Named>
+  void named(const Named& label, std::uint32_t number) {
+    out_ << " ID=\"";
+    writeEscaped(label.id.empty() ? std::to_string(number) : label.id);
+    if (!label.label.empty()) {
+      out_ << "\" label=\"";
+      writeEscaped(label.label);
+    }
+    out_ << '"';
+  }
+
+  /// A function with a sample at each point, up to the last one that has a value.
+  void function(std::string_view name, std::span<const double> values) {
+    std::size_t count = values.size();
+    while (count > 0 && std::isnan(values[count - 1])) {
+      --count;
+    }
+    // a gap in the middle cannot be written, and one sample alone would be that of the whole root
+    if (count < 2 || std::ranges::any_of(values.first(count), [](double value) { return std::isnan(value); })) {
+      return;
+    }
+    out_ << (hasFunction_ ? "\n" : "") << "<function name=\"" << name << "\" domain=\"polyline\">";
+    for (std::size_t i = 0; i < count; ++i) {
+      sample(values[i]);
+    }
+    out_ << "</function>";
+    hasFunction_ = true;
+  }
+
+  void writeFunctions(const Axis& axis, const RsmlLabels::Root* label) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    const auto orNone = [](double width) { return width > kSmallestWidth ? width : kNone; };
+    const bool hasFirst = label != nullptr && !std::isnan(label->firstDiameter);
+    // roots that were read from a file may have no diameters
+    std::vector<double> values{hasFirst ? label->firstDiameter : segments_[axis.segments.front()].startWidth};
+    for (const std::uint32_t segment : axis.segments) {
+      values.push_back(orNone(segments_[segment].endWidth));
+    }
+    const bool hasWidths =
+        std::any_of(values.begin() + 1, values.end(), [](double width) { return !std::isnan(width); });
+    if (hasWidths) {
+      // a width that is nothing in the middle is a sample, too
+      bool isLater = false;
+      for (auto value = values.rbegin(); value != values.rend(); ++value) {
+        isLater = isLater || !std::isnan(*value);
+        *value = isLater && std::isnan(*value) ? 0.0 : *value;
+      }
+      function("diameter", values);
+    }
+    if (hasLabelledDays_ || !facts_.days.empty()) {
+      // a first point is there with the first segment unless the file says another day
+      const auto dayOf = [&](std::uint32_t segment) {
+        return hasLabelledDays_ ? pieces_[segment]->day : facts_.days[segment];
+      };
+      values.assign(1, label != nullptr && hasLabelledDays_ && !std::isnan(label->firstDay)
+                           ? label->firstDay
+                           : dayOf(axis.segments.front()));
+      for (const std::uint32_t segment : axis.segments) {
+        values.push_back(dayOf(segment));
+      }
+      function("emergence_time", values);
+    }
+  }
+
   /// What belongs to an axis alone, without the end of its element.
   void begin(std::uint32_t index) {
     const Axis& axis = axes_[index];
-    out_ << "<root ID=\"" << std::to_string(index) << "\">";
+    const RsmlLabels::Root* const label = labelOf(axis);
+    out_ << "<root";
+    named(label != nullptr ? *label : RsmlLabels::Root(), index);
+    out_ << ">";
     if (axis.parent != kNoParent) {
       out_ << "<properties><parent-node value=\"" << std::to_string(axis.parentNode) << "\"/></properties>";
     }
@@ -167,26 +275,8 @@ class RsmlWriter {
       point(segments_[segment].end);
     }
     out_ << "</polyline></geometry>\n<functions>";
-    // roots that were read from a file may have no diameters
-    const bool hasWidths = std::ranges::any_of(
-        axis.segments, [&](std::uint32_t segment) { return segments_[segment].endWidth > kSmallestWidth; });
-    if (hasWidths) {
-      out_ << "<function name=\"diameter\" domain=\"polyline\">";
-      sample(segments_[axis.segments.front()].startWidth);
-      for (const std::uint32_t segment : axis.segments) {
-        sample(segments_[segment].endWidth);
-      }
-      out_ << "</function>";
-    }
-    if (!facts_.days.empty()) {
-      // a first point is there with the first segment
-      out_ << (hasWidths ? "\n" : "") << "<function name=\"emergence_time\" domain=\"polyline\">";
-      sample(facts_.days[axis.segments.front()]);
-      for (const std::uint32_t segment : axis.segments) {
-        sample(facts_.days[segment]);
-      }
-      out_ << "</function>";
-    }
+    hasFunction_ = false;
+    writeFunctions(axis, label);
     out_ << "</functions>\n";
   }
 
@@ -209,6 +299,9 @@ class RsmlWriter {
 
   std::span<const Segment> segments_;
   RsmlFacts facts_;
+  std::vector<const RsmlLabels::Piece*> pieces_;  // (segments), or empty
+  bool hasLabelledDays_ = false;                  // one of them at least
+  bool hasFunction_ = false;                      // of the axis that is written
   std::vector<Axis> axes_;
   int decimals_;
   TextOutput out_;
@@ -239,6 +332,8 @@ class RsmlGrowth final : public GrowthExport {
 
   [[nodiscard]] std::optional<std::string> addFrame(const ExportInput& input, std::uint64_t step) override {
     unit_ = input.lengthUnit;
+    labels_ = input.rsml;
+    step_ = step;
     segments_ = input.scene.segments;
     days_.clear();
     for (const Segment& segment : segments_) {
@@ -253,13 +348,15 @@ class RsmlGrowth final : public GrowthExport {
   }
 
   void finish() override {
-    const RsmlFacts facts{.unit = unit_, .step = {}, .days = days_};
-    RsmlWriter(segments_, facts, target_.sink).write();
+    const RsmlFacts facts{.unit = unit_, .step = {}, .days = days_, .labels = labels_};
+    RsmlWriter(segments_, facts, piecesOf(labels_, step_, segments_.size()), target_.sink).write();
   }
 
  private:
   const ExportTarget& target_;
   std::string unit_;
+  const RsmlLabels* labels_ = nullptr;
+  std::uint64_t step_ = 0;         // of the last frame
   std::vector<Segment> segments_;  // of the last frame
   std::vector<double> days_;       // (segments)
   std::unordered_map<PlantPoint, double, PlantPointHash> firstDays_;
@@ -268,8 +365,9 @@ class RsmlGrowth final : public GrowthExport {
 }  // namespace
 
 std::optional<std::string> writeRsml(const ExportInput& input, const ExportTarget& target) {
-  const RsmlFacts facts{.unit = input.lengthUnit, .step = input.step, .days = {}};
-  RsmlWriter(input.scene.segments, facts, target.sink).write();
+  const std::span<const Segment> segments = input.scene.segments;
+  const RsmlFacts facts{.unit = input.lengthUnit, .step = input.step, .days = {}, .labels = input.rsml};
+  RsmlWriter(segments, facts, piecesOf(input.rsml, input.step.value_or(0), segments.size()), target.sink).write();
   return std::nullopt;
 }
 
