@@ -88,6 +88,30 @@ TEST(RootSystem, LateralsOfOnePointLeaveAtItsBranchingsOneAfterTheOther) {
   EXPECT_EQ(traits.pathLength, 2U + 3U + 3U);
 }
 
+TEST(RootSystem, RootsThatBeginAtTheCollarAreOfOrderOneAlsoInBrackets) {
+  // [F[F]F][F]: two first-order roots side by side, the first with a lateral
+  turtle::Scene scene;
+  const auto add = [&](const core::Vec3& start, const core::Vec3& end, std::uint32_t order, std::uint32_t parent) {
+    turtle::Segment segment;
+    segment.start = start;
+    segment.end = end;
+    segment.branchOrder = order;
+    segment.parent = parent;
+    scene.segments.push_back(segment);
+  };
+  add({0, 0, 0}, {0, -1, 0}, 1, turtle::kNoParent);
+  add({0, -1, 0}, {3, -1, 0}, 2, 0);
+  add({0, -1, 0}, {0, -2, 0}, 1, 0);
+  add({0, 0, 0}, {5, 0, 0}, 1, turtle::kNoParent);
+  const RootTraits traits = traitsOf(rootsOf(scene), 1);
+  EXPECT_EQ(traits.orders.at(1).number, 2U);
+  EXPECT_DOUBLE_EQ(traits.orders.at(1).length, 7.0);
+  EXPECT_EQ(traits.orders.at(2).number, 1U);
+  EXPECT_DOUBLE_EQ(traits.orders.at(2).length, 3.0);
+  EXPECT_EQ(traits.orders.size(), 2U);
+  EXPECT_EQ(traits.magnitude, 3U);
+}
+
 TEST(RootSystem, TheStringDrawsTheRoots) {
   EXPECT_EQ(stringOf(*readRootTable("node\tparent\tx\ty\tz\tradius\torder\temergence\n0\t-1\t1\t2\t3\t0.1\t1\t0\n"
                                     "1\t0\t1\t2\t1\t0.1\t1\t4\n2\t1\t1\t2\t0\t0.1\t1\t5\n3\t1\t2\t2\t1\t0.05\t2\t6\n")),

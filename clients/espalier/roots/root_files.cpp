@@ -208,11 +208,13 @@ tl::expected<RootSystem, std::string> readRoots(const std::string& fileName, std
 RootSystem rootsOf(const turtle::Scene& scene) {
   RootSystem roots;
   std::vector<std::uint32_t> nodeOf(scene.segments.size());
+  std::vector<std::uint32_t> orderOfCollar(scene.segments.size());  // brackets around the segment at the collar
   for (std::size_t i = 0; i < scene.segments.size(); ++i) {
     const turtle::Segment& segment = scene.segments[i];
     RootSystem::Node node;
     node.radius = 0.5 * segment.endWidth;
-    node.order = segment.branchOrder + 1;
+    orderOfCollar[i] = segment.parent == turtle::kNoParent ? segment.branchOrder : orderOfCollar[segment.parent];
+    node.order = segment.branchOrder - orderOfCollar[i] + 1;
     if (segment.parent == turtle::kNoParent) {
       node.place = segment.start;
       roots.nodes.push_back(node);

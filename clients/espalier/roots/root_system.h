@@ -58,7 +58,8 @@ inline constexpr std::size_t kMostPoints = 10'000'000;
   return sourceBytes / 50;
 }
 
-/// The lines that plants draw, by the segments that they grow from.
+/// The lines that plants draw, by the segments that they grow from. A line that grows from none begins at a collar and
+/// is of order 1, also inside brackets.
 [[nodiscard]] RootSystem rootsOf(const turtle::Scene& scene);
 
 /// A root system as it was on a day.
