@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -73,9 +74,9 @@ const char* verdictOf(const validation::Row& row) {
   return !row.tolerance ? "reported" : row.isMet() ? "met" : "NOT MET";
 }
 
-/// The part of a page about one case; `picture` is the address of its picture, or empty.
+/// The part of a page about one case with the addresses of its pictures.
 std::string pagePart(const validation::Case& one, const validation::CaseResult& result, double seconds,
-                     const std::string& picture) {
+                     const std::vector<std::string>& pictures) {
   char took[40];
   std::snprintf(took, sizeof took, "%.*f s", seconds < 10.0 ? 1 : 0, seconds);
   std::string part = kPartBegin + std::string(one.name) + "\n\n" + std::string(one.title) + ". Took " + took + ".\n\n" +
@@ -88,7 +89,10 @@ std::string pagePart(const validation::Case& one, const validation::CaseResult& 
   for (const std::string& name : result.missing) {
     part += "\nA part is left out: it needs `" + name + "`.\n";
   }
-  return picture.empty() ? part : part + "\n![" + std::string(one.name) + "](" + picture + ")\n";
+  for (const std::string& picture : pictures) {
+    part += "\n![" + std::filesystem::path(picture).stem().string() + "](" + picture + ")\n";
+  }
+  return part;
 }
 
 /// The parts of a page that was written before, by case.
@@ -144,6 +148,28 @@ bool printRows(const validation::Case& one, const validation::CaseResult& result
   return isMet;
 }
 
+/// Writes the pictures of a case and returns their addresses on the page; nothing after an error.
+std::optional<std::vector<std::string>> writePictures(const validation::Case& one, const validation::CaseResult& result,
+                                                      const ValidateOptions& options) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> addresses;
+  const auto pictures = options.plots.empty() ? std::vector<validation::Picture>() : result.allPictures();
+  for (const validation::Picture& picture : pictures) {
+    std::error_code ignored;
+    fs::create_directories(options.plots, ignored);
+    const std::string file = options.plots + "/" + std::string(one.name) +
+                             (picture.name.empty() ? std::string() : "-" + picture.name) + ".svg";
+    if (const auto problem =
+            server::writeFileAtomically(file, validation::resultPlot(std::string(one.title), picture))) {
+      printError(*problem);
+      return std::nullopt;
+    }
+    printNote("wrote " + file);
+    addresses.push_back(fs::path(file).lexically_proximate(fs::path(options.page).parent_path()).generic_string());
+  }
+  return addresses;
+}
+
 int validate(const ValidateOptions& options) {
   if (options.isList) {
     for (const validation::Case& one : validation::cases()) {
@@ -187,27 +213,16 @@ int validate(const ValidateOptions& options) {
     }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
     isMet = printRows(*one, result, seconds.count()) && isMet;
-    std::string picture;
-    const std::string plot = options.plots.empty() ? "" : validation::resultPlot(std::string(one->title), result);
-    if (!plot.empty()) {
-      std::error_code ignored;
-      std::filesystem::create_directories(options.plots, ignored);
-      const std::string file = options.plots + "/" + std::string(one->name) + ".svg";
-      if (const auto problem = server::writeFileAtomically(file, plot)) {
-        printError(*problem);
-        return kFailure;
-      }
-      printNote("wrote " + file);
-      picture = std::filesystem::path(file)
-                    .lexically_proximate(std::filesystem::path(options.page).parent_path())
-                    .generic_string();
+    const auto pictures = writePictures(*one, result, options);
+    if (!pictures) {
+      return kFailure;
     }
     if (result.rows.empty() && parts.contains(std::string(one->name))) {
       printNote("the part '" + std::string(one->name) + "' of '" + options.page +
                 "' stays: without --data it has no results");
       continue;
     }
-    parts[std::string(one->name)] = pagePart(*one, result, seconds.count(), picture);
+    parts[std::string(one->name)] = pagePart(*one, result, seconds.count(), *pictures);
   }
   if (!options.page.empty()) {
     if (const auto problem = server::writeFileAtomically(options.page, pageOf(parts))) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
+#include <utility>
 
 namespace espalier::validation {
 
@@ -56,8 +57,23 @@ std::optional<ReferenceTable> ReferenceTable::read(const Data& data, const std::
   return table;
 }
 
+ReferenceTable ReferenceTable::of(const std::string& name, const std::string& rowWord,
+                                  const std::vector<std::string>& columns, std::vector<std::vector<std::string>> rows) {
+  ReferenceTable table;
+  table.name_ = name;
+  table.rowWord_ = rowWord;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    table.columns_[columns[i]] = i;
+  }
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    table.lines_.push_back(row);
+  }
+  table.rows_ = std::move(rows);
+  return table;
+}
+
 void ReferenceTable::refuse(std::size_t row, const std::string& sentences) const {
-  throw TableError(name_ + ", line " + std::to_string(lines_[row]) + ": " + sentences);
+  throw TableError(name_ + ", " + rowWord_ + " " + std::to_string(lines_[row]) + ": " + sentences);
 }
 
 const std::string& ReferenceTable::text(std::size_t row, const std::string& column) const {

@@ -25,6 +25,12 @@ class ReferenceTable {
   [[nodiscard]] static std::optional<ReferenceTable> read(const Data& data, const std::string& name,
                                                           std::vector<std::string>& missing);
 
+  /// A table of rows that another file says, whose rows are called `rowWord`: messages name them by it and by their
+  /// number from 0.
+  [[nodiscard]] static ReferenceTable of(const std::string& name, const std::string& rowWord,
+                                         const std::vector<std::string>& columns,
+                                         std::vector<std::vector<std::string>> rows);
+
   [[nodiscard]] std::size_t rowCount() const { return rows_.size(); }
   /// The text in a field. Throws TableError without that column.
   [[nodiscard]] const std::string& text(std::size_t row, const std::string& column) const;
@@ -39,6 +45,7 @@ class ReferenceTable {
   std::string name_;
   std::map<std::string, std::size_t> columns_;
   std::vector<std::vector<std::string>> rows_;
+  std::string rowWord_ = "line";
   std::vector<std::size_t> lines_;  // in the file, from 1 (rows)
 };
 

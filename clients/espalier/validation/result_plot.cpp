@@ -42,9 +42,16 @@ std::string label(double x, double y, std::string_view anchor, std::string_view 
          escaped(text) + "</text>\n";
 }
 
+/// A line through places. References are dashed.
 std::string path(const std::string& places, std::string_view colour, bool isDashed) {
   return "<path fill=\"none\" stroke=\"" + std::string(colour) + "\" stroke-width=\"2\"" +
          (isDashed ? " stroke-dasharray=\"3 5\"" : "") + " d=\"" + places + "\"/>\n";
+}
+
+/// Dots at places, as lines of no length with round ends. References are large and pale: results lie on them.
+std::string dots(const std::string& places, std::string_view colour, bool isPale) {
+  return "<path fill=\"none\" stroke-linecap=\"round\" stroke=\"" + std::string(colour) + "\" stroke-width=\"" +
+         (isPale ? "7\" opacity=\"0.3\"" : "3\"") + " d=\"" + places + "\"/>\n";
 }
 
 /// A range of numbers and the distance of its marks: 1, 2 or 5 times a power of ten.
@@ -75,8 +82,8 @@ Axis axisOf(const std::vector<Curve>& curves, bool isVertical) {
 
 }  // namespace
 
-std::string resultPlot(const std::string& title, const CaseResult& result) {
-  const std::vector<Curve>& curves = result.curves;
+std::string resultPlot(const std::string& title, const Picture& picture) {
+  const std::vector<Curve>& curves = picture.curves;
   if (curves.empty()) {
     return {};
   }
@@ -87,9 +94,9 @@ std::string resultPlot(const std::string& title, const CaseResult& result) {
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + number(kPictureWidth) + "\" height=\"" +
                     number(kPictureHeight) + "\" font-family=\"sans-serif\" font-size=\"12\">\n" +
                     "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n" + label(kLeft, 16.0, "start", title) +
-                    label(kLeft, 33.0, "start", result.up) + label(kRight, kBottom + 28.0, "end", result.across);
+                    label(kLeft, 33.0, "start", picture.up) + label(kRight, kBottom + 28.0, "end", picture.across);
   for (double x = std::ceil(across.low / across.mark) * across.mark; x <= across.high; x += across.mark) {
-    svg += label(xOf(x), kBottom + 14.0, "middle", number(x, "%.6g"));
+    svg += label(xOf(x), kBottom + 14.0, "middle", number(std::abs(x) < 1e-9 * across.mark ? 0.0 : x, "%.6g"));
   }
   for (double y = std::ceil(up.low / up.mark) * up.mark; y <= up.high; y += up.mark) {
     svg += "<path stroke=\"#dddddd\" d=\"M" + number(kLeft) + " " + number(yOf(y)) + "H" + number(kRight) + "\"/>\n";
@@ -107,12 +114,14 @@ std::string resultPlot(const std::string& title, const CaseResult& result) {
     const auto [colour, isNew] = colours.try_emplace(subject, kColours[colours.size() % kColours.size()]);
     std::string places;
     for (const auto& [x, y] : curve.points) {
-      places += (places.empty() ? "M" : "L") + number(xOf(x)) + " " + number(yOf(y));
+      places += (places.empty() || curve.isDots ? "M" : "L") + number(xOf(x)) + " " + number(yOf(y)) +
+                (curve.isDots ? "h0" : "");
     }
-    svg += path(places, colour->second, curve.isReference);
     height += 16.0;
-    svg += path("M" + number(kRight + 12.0) + " " + number(height - 4.0) + "H" + number(kRight + 36.0), colour->second,
-                curve.isReference);
+    const std::string sample = "M" + number(kRight + (curve.isDots ? 24.0 : 12.0)) + " " + number(height - 4.0);
+    svg += curve.isDots ? dots(places + sample + "h0", colour->second, curve.isReference)
+                        : path(places, colour->second, curve.isReference) +
+                              path(sample + "H" + number(kRight + 36.0), colour->second, curve.isReference);
     svg += label(kRight + 42.0, height, "start", curve.name);
   }
   return svg + "</svg>\n";

@@ -1,8 +1,76 @@
 #include "clients/espalier/validation/root_tables.h"
 
 #include <cmath>
+#include <utility>
+
+#include "clients/espalier/roots/root_system.h"
+#include "environment/base/number_text.h"
 
 namespace espalier::validation {
+
+namespace {
+
+/// The rows of a root system in cm.
+std::vector<std::vector<std::string>> rowsOf(const roots::RootSystem& system) {
+  using environment::numberText;
+  std::vector<std::vector<std::string>> rows;
+  for (const roots::RootSystem::Node& node : system.nodes) {
+    const bool isCollar = node.parent == roots::RootSystem::kNone;
+    rows.push_back({std::to_string(rows.size()), isCollar ? "-1" : std::to_string(node.parent),
+                    numberText(node.place.x), numberText(node.place.y), numberText(node.place.z),
+                    numberText(node.radius), std::to_string(node.order),
+                    std::isnan(node.emergence) ? "" : numberText(node.emergence)});
+  }
+  return rows;
+}
+
+/// Why a root system is none of a benchmark; nothing: it is one.
+std::optional<std::string> problemOf(const roots::RootSystem& system) {
+  double depth = 0.0;
+  for (const roots::RootSystem::Node& node : system.nodes) {
+    if (node.parent != roots::RootSystem::kNone) {
+      depth -= node.place.z - system.nodes[node.parent].place.z;
+      if (!(node.radius > 0.0)) {
+        return "its roots have no diameter. Give each root the function 'diameter'";
+      }
+    }
+  }
+  if (system.unit.empty()) {
+    return "it does not say the unit of its lengths. Write <unit>cm</unit> in its metadata";
+  }
+  return depth > 0.0 ? std::nullopt
+                     : std::optional<std::string>(
+                           "its roots do not grow down. The benchmarks measure z upwards: write depths as negative z");
+}
+
+}  // namespace
+
+std::optional<RootTable> readRootTable(const Data& data, const std::string& name, std::vector<std::string>& missing) {
+  const std::string markup = name + ".rsml";
+  const auto text = data(markup);
+  if (!text || data(name + ".tsv")) {
+    std::vector<std::string> notThere;
+    auto table = ReferenceTable::read(data, name + ".tsv", notThere);
+    if (!table) {
+      missing.push_back(name + ".tsv or " + markup);
+      return std::nullopt;
+    }
+    return RootTable{std::move(*table), true};
+  }
+  auto system = roots::readRsml(*text);
+  if (!system) {
+    throw TableError(markup + ", " + system.error());
+  }
+  auto problem = roots::convertTo(*system, "cm");
+  problem = problem ? problem : problemOf(*system);
+  if (problem) {
+    throw TableError(markup + ": " + *problem);
+  }
+  return RootTable{
+      ReferenceTable::of(markup, "point", {"node", "parent", "x", "y", "z", "radius", "order", "emergence"},
+                         rowsOf(*system)),
+      false};
+}
 
 environment::ConfigurationRows rowsOf(const ReferenceTable& ages, const std::string& column) {
   environment::ConfigurationRows rows;
@@ -39,7 +107,7 @@ environment::HydraulicTree treeOf(const ReferenceTable& roots, const std::string
       node.rise = way("z");
       node.radius = roots.number(i, "radius");
       const double order = roots.number(i, "order");
-      const double age = properties.day - roots.number(i, "emergence");
+      const double age = hasAges ? properties.day - roots.number(i, "emergence") : 0.0;
       node.axialConductance = axial.at(order, age);
       node.radialConductivity = radial.at(order, age);
       node.soilHead = properties.soilHead;

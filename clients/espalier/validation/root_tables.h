@@ -10,6 +10,17 @@
 
 namespace espalier::validation {
 
+/// The nodes of a published root system.
+struct RootTable {
+  ReferenceTable nodes;     // node, parent, x, y, z, radius, order, emergence
+  bool isPublished = true;  // false: from RSML, which has one kind of joins and no heads
+};
+
+/// `NAME.tsv` of the data, or else `NAME.rsml` in the Root System Markup Language, in cm with z up. Nothing when both
+/// are missing. Throws TableError for a file that cannot be read, or whose lengths or directions are not known.
+[[nodiscard]] std::optional<RootTable> readRootTable(const Data& data, const std::string& name,
+                                                     std::vector<std::string>& missing);
+
 /// What the segments of a table of roots have beside their places.
 struct RootProperties {
   double kx = 0.0;  // unless by age

@@ -4,7 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ctime>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "clients/espalier/validation/reference_table.h"
 #include "clients/espalier/validation/validation.h"
@@ -101,6 +106,7 @@ CaseResult infiltration(const Data& data, const std::string& name) {
       continue;
     }
     const SoilLayer& soil = soilOf(run.soil);
+    const std::clock_t begin = std::clock();
     auto solver = columnOf(soil, std::vector<double>(400, kHeight), -400.0);
     const double stored = solver.storedWater();
     const double start = soil.content(-400.0);
@@ -163,6 +169,8 @@ CaseResult infiltration(const Data& data, const std::string& name) {
     result.rows.push_back({run.soil + ", balance of water, relative",
                            std::abs((stored + balance.infiltrated - balance.drained) / solver.storedWater() - 1.0),
                            1e-8, ""});
+    result.rows.push_back({run.soil + ", time of the processor, s",
+                           static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC, 10.0, ""});
   }
   return result;
 }
@@ -271,13 +279,22 @@ CaseResult steady(const Data&) {
     const std::vector<double> expected = steadyHeads(soil, run.flow);
     const double part = run.soil == "sand" ? 0.02 : 0.005;
     LargestError worst;
+    const std::string name = run.soil + " " + environment::numberText(run.flow) + " cm/day";
+    Curve ours{name, false, {}};
+    Curve theirs{name + ", exact", true, {}};
     for (std::size_t cell = 0; cell < expected.size(); ++cell) {
+      ours.points.emplace_back(static_cast<double>(cell) + 0.5, solver.state().heads[cell]);
+      theirs.points.emplace_back(static_cast<double>(cell) + 0.5, expected[cell]);
       const double difference = std::abs(solver.state().heads[cell] - expected[cell]);
       worst.add(isDone ? difference / (0.1 + part * std::abs(expected[cell])) : NAN);
     }
     result.rows.push_back({run.soil + ", " + std::to_string(run.flow).substr(0, 6) +
                                " cm/day, heads in units of 0.1 cm + " + (part == 0.02 ? "2 %" : "0.5 %"),
                            worst.value(), 1.0, ""});
+    result.across = "height above the water table, cm";
+    result.up = "head, cm";
+    result.curves.push_back(std::move(ours));
+    result.curves.push_back(std::move(theirs));
   }
   return result;
 }
@@ -313,20 +330,28 @@ CaseResult gardner(const Data&) {
     bool isDone = letPass(solver, 1000.0, {.rain = before * 24.0, .bottom = SoilBorders::Bottom::Head}, 1e-3);
     double hours = 0.0;
     LargestError worst;
+    Picture picture{after > before ? "wetting" : "drying", "height above the water table, cm", "head, cm", {}};
     for (const double until : {1.0, 5.0, 10.0, 20.0, 50.0}) {
       isDone = isDone && letPass(solver, (until - hours) / 24.0,
                                  {.rain = after * 24.0, .bottom = SoilBorders::Bottom::Head}, 1e-5);
       hours = until;
+      Curve ours{std::to_string(std::lround(hours)) + " h", false, {}};
+      Curve theirs{ours.name + ", exact", true, {}};
       for (std::size_t cell = 0; cell < solver.cellCount(); ++cell) {
         const double height = (static_cast<double>(cell) + 0.5) * 0.5;
         const double expected =
             std::log(relativeConductivity(0.1 * height, 0.1 * hours / 0.34, 10.0, before, after)) / 0.1;
         worst.add(isDone ? std::abs(solver.state().heads[cell] - expected) : NAN);
+        ours.points.emplace_back(height, solver.state().heads[cell]);
+        theirs.points.emplace_back(height, expected);
       }
+      picture.curves.push_back(std::move(ours));
+      picture.curves.push_back(std::move(theirs));
     }
     result.rows.push_back({"flow from " + std::to_string(before).substr(0, 3) + " to " +
                                std::to_string(after).substr(0, 3) + " cm/h, heads, cm",
                            worst.value(), 0.1, ""});
+    result.pictures.push_back(std::move(picture));
   }
   return result;
 }
@@ -371,6 +396,9 @@ CaseResult solutes(const Data&) {
     double day = 0.0;
     bool isDone = true;
     LargestError worst;
+    const std::string subject = std::string(run.hasFlow ? "flow" : "surface") + " R" +
+                                std::to_string(run.retardation).substr(0, 1) +
+                                (run.decay > 0.0 ? " decay " + std::to_string(run.decay).substr(0, 3) : "");
     for (const double until : run.times) {
       while (until - day > 1e-12 && isDone) {
         const std::vector<double> before = water.state().contents;
@@ -378,14 +406,22 @@ CaseResult solutes(const Data&) {
         isDone = passed > 0.0 && transport.follow(passed, before);
         day += passed;
       }
+      Curve ours{subject + " day " + std::to_string(std::lround(day)), false, {}};
+      Curve theirs{ours.name + ", exact", true, {}};
       for (double x = kHeight / 2.0; x < 45.0; x += kHeight) {
         const auto cell = water.cellCount() - 1 - static_cast<std::size_t>(x / kHeight);
         const double u = kVelocity * std::sqrt(1.0 + 4.0 * run.decay * kDispersion / (kVelocity * kVelocity));
         const double expected =
             run.decay > 0.0 ? 2.0 * kVelocity / (kVelocity + u) * std::exp((kVelocity - u) * x / (2.0 * kDispersion))
                             : breakthrough(run.hasFlow, x, day, run.retardation);
-        worst.add(isDone ? std::abs(transport.concentration(0, cell, water.contentOf(cell)) - expected) : NAN);
+        ours.points.emplace_back(x, transport.concentration(0, cell, water.contentOf(cell)));
+        theirs.points.emplace_back(x, expected);
+        worst.add(isDone ? std::abs(ours.points.back().second - expected) : NAN);
       }
+      result.across = "depth, cm";
+      result.up = "concentration, parts of that at the surface";
+      result.curves.push_back(std::move(ours));
+      result.curves.push_back(std::move(theirs));
     }
     result.rows.push_back({std::string(run.hasFlow ? "flow brings c₀" : "surface keeps c₀") + ", retardation " +
                                std::to_string(run.retardation).substr(0, 1) + ", decay " +

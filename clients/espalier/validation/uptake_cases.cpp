@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ctime>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "clients/espalier/validation/reference_table.h"
 #include "clients/espalier/validation/root_tables.h"
@@ -23,7 +28,7 @@ namespace {
 
 using environment::SoilLayer;
 
-constexpr std::size_t kExchange = 4, kCollarFlow = 6;
+constexpr std::size_t kUptake = 4, kCollarFlow = 6;
 
 /// A process with roots that do not grow: segments, and a query behind each.
 class StandingRoots {
@@ -183,14 +188,22 @@ CaseResult oneRoot(const Data&) {
     const double atRoot =
         potential.at(cell) - flow * environment::annulusFactor(kOuter / kRoot) / (2.0 * std::numbers::pi);
     LargestError worst;
+    Curve ours{name, false, {}};
+    Curve theirs{name + ", exact", true, {}};
     for (const double r : {0.05, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6}) {
       const double part = r * r / (kRoot * kRoot);
       const double rise =
           run.q * kRoot * ((part - 1.0) / (2.0 * (1.0 - square)) - square / (1.0 - square) * std::log(r / kRoot));
       // at the onset the root surface is as dry as it becomes
       const double expected = potential.headAt(potential.at(kDry) + rise);
-      worst.add(std::abs(potential.headAt(atRoot + rise) / expected - 1.0));
+      ours.points.emplace_back(r, potential.headAt(atRoot + rise));
+      theirs.points.emplace_back(r, expected);
+      worst.add(std::abs(ours.points.back().second / expected - 1.0));
     }
+    result.across = "distance from the middle of the root, cm";
+    result.up = "head in the soil at the onset of stress, cm";
+    result.curves.push_back(std::move(ours));
+    result.curves.push_back(std::move(theirs));
     result.rows.push_back(
         {name + ", heads from 0.05 cm at the onset, relative", worst.value(), run.tolerance, run.publishedHeads});
   }
@@ -209,28 +222,112 @@ CaseResult oneRoot(const Data&) {
   return result;
 }
 
-/// Benchmark C1.2 with cells of one size; with `ages` by conductivities of order and age.
-void addDryingSoil(const ReferenceTable& table, const ReferenceTable* ages, const ReferenceTable& transpiration,
-                   double size, std::optional<double> tolerance, CaseResult& result) {
-  const std::string cells = std::to_string(std::lround(8.0 / size)) + "," + std::to_string(std::lround(8.0 / size)) +
-                            "," + std::to_string(std::lround(15.0 / size));
-  std::string conductivities = R"("kx":0.0432,"kr":0.0001728)";
-  if (ages != nullptr) {
-    conductivities.clear();
-    for (const std::string column : {"kx", "kr"}) {
-      conductivities += (conductivities.empty() ? "\"" : ",\"") + column + R"(Table":[)";
-      for (std::size_t row = 0; row < ages->rowCount(); ++row) {
-        conductivities += (row == 0 ? "[" : ",[") + ages->text(row, "order") + "," + ages->text(row, "age") + "," +
-                          ages->text(row, column) + "]";
+/// Uptake of a root system from each centimetre of depth, in the course of time.
+class SinksByDepth {
+ public:
+  /// `roots`: the nodes; each that has a parent is a segment, in their order.
+  explicit SinksByDepth(const ReferenceTable& roots) {
+    for (std::size_t row = 0; row < roots.rowCount(); ++row) {
+      if (const auto parent = parentOf(roots, row, "parent")) {
+        const double depth = -0.5 * (roots.number(row, "z") + roots.number(*parent, "z"));
+        layers_.push_back(static_cast<std::size_t>(std::clamp(depth, 0.0, kDepth - 0.5)));
       }
-      conductivities += "]";
     }
   }
-  // hydrostatic, −659.8 cm at the surface
+
+  /// Takes the uptake of the step that ends at `day`.
+  void add(const StandingRoots& roots, double day) {
+    std::vector<double> sums(static_cast<std::size_t>(kDepth), 0.0);
+    for (std::size_t segment = 0; segment < layers_.size(); ++segment) {
+      sums[layers_[segment]] += roots.reply(segment, kUptake);
+    }
+    days_.push_back(day);
+    sums_.push_back(std::move(sums));
+  }
+
+  /// Compares with the published ones at their times: rows and a picture of the first noon and the last.
+  void compare(const ReferenceTable& published, const std::string& name, CaseResult& result) const {
+    std::vector<double> expected, found;
+    Picture picture{"sinks", "depth, cm", "uptake from each cm of depth, cm³/day", {}};
+    const std::size_t count = static_cast<std::size_t>(kDepth);
+    for (std::size_t row = 0; row < published.rowCount(); ++row) {
+      const double day = published.number(row, "time");
+      Curve ours{text(day) + " day", false, {}};
+      Curve theirs{text(day) + " day, published", true, {}};
+      for (std::size_t layer = 0; layer < count; ++layer) {
+        const double depth = static_cast<double>(layer) + 0.5;
+        expected.push_back(published.number(row, text(-depth)));
+        found.push_back(between(day, layer));
+        ours.points.emplace_back(depth, found.back());
+        theirs.points.emplace_back(depth, expected.back());
+      }
+      if (day == 0.25 || day == 0.5 || day == 1.0 || day == 2.5) {
+        picture.curves.push_back(std::move(ours));
+        picture.curves.push_back(std::move(theirs));
+      }
+    }
+    result.rows.push_back({name + ", sinks by depth, nRMSE", normalisedError(expected, found), std::nullopt, ""});
+    result.pictures.push_back(std::move(picture));
+  }
+
+ private:
+  static constexpr double kDepth = 15.0;
+
+  /// Between the steps before and after a day: the uptake of a step is that of its middle.
+  [[nodiscard]] double between(double day, std::size_t layer) const {
+    std::vector<std::pair<double, double>> points;
+    for (std::size_t step = 0; step < days_.size(); ++step) {
+      points.emplace_back(days_[step] - 0.5 * days_[0], sums_[step][layer]);
+    }
+    return interpolate(points, day);
+  }
+
+  std::vector<std::size_t> layers_;        // of a segment
+  std::vector<double> days_;               // when the steps end
+  std::vector<std::vector<double>> sums_;  // (step, layer), cm³/day
+};
+
+/// The tables of C1.2.
+struct DryingSoil {
+  RootTable roots;
+  ReferenceTable transpiration;
+  std::optional<ReferenceTable> sinks;
+};
+
+std::optional<DryingSoil> readDryingSoil(const Data& data, CaseResult& result) {
+  auto roots = readRootTable(data, "c12_roots", result.missing);
+  auto transpiration = ReferenceTable::read(data, "c12_transpiration.tsv", result.missing);
+  if (!roots || !transpiration) {
+    return std::nullopt;
+  }
+  return DryingSoil{std::move(*roots), std::move(*transpiration), std::nullopt};
+}
+
+/// The keys of xylem for conductivities: constant ones, or rows by order and age.
+std::string conductivityKeys(const ReferenceTable* ages) {
+  if (ages == nullptr) {
+    return R"("kx":0.0432,"kr":0.0001728)";
+  }
+  std::string keys;
+  for (const std::string column : {"kx", "kr"}) {
+    keys += (keys.empty() ? "\"" : ",\"") + column + R"(Table":[)";
+    for (std::size_t row = 0; row < ages->rowCount(); ++row) {
+      keys += (row == 0 ? "[" : ",[") + ages->text(row, "order") + "," + ages->text(row, "age") + "," +
+              ages->text(row, column) + "]";
+    }
+    keys += "]";
+  }
+  return keys;
+}
+
+/// The root system of C1.2 in soil with cells of one size, hydrostatic with −659.8 cm at the surface.
+StandingRoots rootsInBox(const ReferenceTable& table, const ReferenceTable* ages, double size) {
+  const std::string side = std::to_string(std::lround(8.0 / size));
   StandingRoots roots(
-      "{" + conductivities + R"(,"transpiration":[[0,6.4]],"dayCourse":true,"lowestHead":-15290,)" +
-          R"("soil":[{"type":"soil-water","gridSize":[)" + cells + R"(],"cellSize":[)" + text(size) + "," + text(size) +
-          "," + text(size) +
+      "{" + conductivityKeys(ages) + R"(,"transpiration":[[0,6.4]],"dayCourse":true,"lowestHead":-15290,)" +
+          R"("soil":[{"type":"soil-water","gridSize":[)" + side + "," + side + "," +
+          std::to_string(std::lround(15.0 / size)) + R"(],"cellSize":[)" + text(size) + "," + text(size) + "," +
+          text(size) +
           R"(],"position":[-4,-4,-15],"bottom":"closed","initially":"waterTable","waterTableDepth":659.8,)" +
           R"("layers":)" + layerText(kLoam) + "}]}",
       1.0 / 48.0, {0, 0, 1});
@@ -239,17 +336,27 @@ void addDryingSoil(const ReferenceTable& table, const ReferenceTable* ages, cons
   };
   for (std::size_t row = 0; row < table.rowCount(); ++row) {
     if (const auto parent = parentOf(table, row, "parent")) {
-      roots.segment(place(*parent), place(row), table.number(row, "radius"), 8.0 - table.number(row, "emergence"),
-                    table.number(row, "order"));
+      roots.segment(place(*parent), place(row), table.number(row, "radius"),
+                    ages == nullptr ? 8.0 : 8.0 - table.number(row, "emergence"), table.number(row, "order"));
     }
   }
+  return roots;
+}
+
+/// Benchmark C1.2 with cells of one size; with `ages` by conductivities of order and age.
+void addDryingSoil(const DryingSoil& data, const ReferenceTable* ages, double size, std::optional<double> tolerance,
+                   CaseResult& result) {
+  const ReferenceTable& table = data.roots.nodes;
+  StandingRoots roots = rootsInBox(table, ages, size);
   const std::string name = std::string(ages == nullptr ? "a" : "b") + ", cells of " + text(size) + " cm";
   if (!roots.isOpen()) {
     result.rows.push_back({name + ", the soil opens", NAN, 0.0, ""});
     return;
   }
+  const std::clock_t begin = std::clock();
   const double stored = roots.integral("waterContent");
   double taken = 0.0;
+  SinksByDepth sinks(table);
   Curve ours{name, false, {{0.0, 0.0}}};
   for (int step = 0; step < 3 * 48; ++step) {
     if (!roots.step()) {
@@ -258,11 +365,13 @@ void addDryingSoil(const ReferenceTable& table, const ReferenceTable* ages, cons
     }
     taken += roots.reply(0, kCollarFlow) / 48.0;
     ours.points.emplace_back((step + 1) / 48.0, taken);
+    sinks.add(roots, (step + 1) / 48.0);
   }
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   std::vector<double> expected, found;
-  for (std::size_t row = 0; row < transpiration.rowCount(); ++row) {
-    expected.push_back(transpiration.number(row, "cumulative"));
-    found.push_back(interpolate(ours.points, transpiration.number(row, "time")));
+  for (std::size_t row = 0; row < data.transpiration.rowCount(); ++row) {
+    expected.push_back(data.transpiration.number(row, "cumulative"));
+    found.push_back(interpolate(ours.points, data.transpiration.number(row, "time")));
   }
   if (ages == nullptr) {
     result.rows.push_back({name + ", nRMSE of the cumulative uptake", normalisedError(expected, found), tolerance,
@@ -271,43 +380,48 @@ void addDryingSoil(const ReferenceTable& table, const ReferenceTable* ages, cons
   result.rows.push_back({name + ", uptake in three days, cm3 (reference of a: 3.470)", taken, std::nullopt, ""});
   result.rows.push_back({name + ", balance of water, relative",
                          std::abs((stored - taken) / roots.integral("waterContent") - 1.0), 1e-8, ""});
+  if (ages == nullptr && size == 1.0) {
+    result.rows.push_back({name + ", time of the processor, s", seconds, 10.0, ""});
+  }
+  if (data.sinks) {
+    sinks.compare(*data.sinks, name, result);
+  }
   result.across = "time, day";
   result.up = "uptake since the beginning, cm³";
   result.curves.push_back(std::move(ours));
+  Curve reference{name + ", published", true, {}};
+  for (std::size_t row = 0; ages == nullptr && row < data.transpiration.rowCount(); ++row) {
+    reference.points.emplace_back(data.transpiration.number(row, "time"), expected[row]);
+  }
+  if (!reference.points.empty()) {
+    result.curves.push_back(std::move(reference));
+  }
 }
 
 CaseResult dryingSoil(const Data& data) {
   CaseResult result;
-  const auto roots = ReferenceTable::read(data, "c12_roots.tsv", result.missing);
-  const auto transpiration = ReferenceTable::read(data, "c12_transpiration.tsv", result.missing);
-  if (roots && transpiration) {
-    addDryingSoil(*roots, nullptr, *transpiration, 1.0, 0.12, result);
-    Curve reference{"reference", true, {}};
-    for (std::size_t row = 0; row < transpiration->rowCount(); ++row) {
-      reference.points.emplace_back(transpiration->number(row, "time"), transpiration->number(row, "cumulative"));
-    }
-    result.curves.push_back(std::move(reference));
+  if (auto tables = readDryingSoil(data, result)) {
+    tables->sinks = ReferenceTable::read(data, "c12_sinks.tsv", result.missing);
+    addDryingSoil(*tables, nullptr, 1.0, 0.12, result);
   }
   return result;
 }
 
 CaseResult dryingSoilFine(const Data& data) {
   CaseResult result;
-  const auto roots = ReferenceTable::read(data, "c12_roots.tsv", result.missing);
-  const auto transpiration = ReferenceTable::read(data, "c12_transpiration.tsv", result.missing);
-  if (roots && transpiration) {
-    addDryingSoil(*roots, nullptr, *transpiration, 0.5, 0.15, result);
+  if (auto tables = readDryingSoil(data, result)) {
+    tables->sinks = ReferenceTable::read(data, "c12_sinks.tsv", result.missing);
+    addDryingSoil(*tables, nullptr, 0.5, 0.15, result);
   }
   return result;
 }
 
 CaseResult dryingSoilByAge(const Data& data) {
   CaseResult result;
-  const auto roots = ReferenceTable::read(data, "c12_roots.tsv", result.missing);
-  const auto transpiration = ReferenceTable::read(data, "c12_transpiration.tsv", result.missing);
+  const auto tables = readDryingSoil(data, result);
   const auto ages = ReferenceTable::read(data, "root_conductivities.tsv", result.missing);
-  if (roots && transpiration && ages) {
-    addDryingSoil(*roots, &*ages, *transpiration, 1.0, std::nullopt, result);
+  if (tables && ages) {
+    addDryingSoil(*tables, &*ages, 1.0, std::nullopt, result);
   }
   return result;
 }

@@ -36,11 +36,19 @@ class LargestError {
   bool isEmpty_ = true;
 };
 
-/// A line of a picture of the results.
+/// A line of a picture of the results, or dots.
 struct Curve {
   std::string name;
   bool isReference = false;
   std::vector<std::pair<double, double>> points;
+  bool isDots = false;
+};
+
+/// A picture beside that of CaseResult::curves.
+struct Picture {
+  std::string name;  // of the file, behind that of the case: "sinks"
+  std::string across, up;
+  std::vector<Curve> curves;
 };
 
 struct CaseResult {
@@ -49,6 +57,17 @@ struct CaseResult {
   std::string across;                // what the curves have along the horizontal, with its unit: "time, day"
   std::string up;                    // and along the vertical
   std::vector<std::string> missing;  // files of data without which a part is left out
+  std::vector<Picture> pictures{};   // further ones
+
+  /// All pictures that have curves; that of `curves` has no name.
+  [[nodiscard]] std::vector<Picture> allPictures() const {
+    std::vector<Picture> all;
+    if (!curves.empty()) {
+      all.push_back({"", across, up, curves});
+    }
+    all.insert(all.end(), pictures.begin(), pictures.end());
+    return all;
+  }
 };
 
 /// The text of a file of published data by its name; nothing when it is not there.
@@ -65,8 +84,9 @@ struct Case {
 /// All benchmarks in the order of the table.
 [[nodiscard]] std::span<const Case> cases();
 
-/// The cases, by subject: soil_cases.cpp, root_cases.cpp, uptake_cases.cpp, light_cases.cpp,
-/// forest_cases.cpp, stand_cases.cpp.
+/// The cases, by subject: architecture_cases.cpp, soil_cases.cpp, root_cases.cpp, uptake_cases.cpp,
+/// light_cases.cpp, forest_cases.cpp, stand_cases.cpp.
+[[nodiscard]] std::span<const Case> architectureCases();
 [[nodiscard]] std::span<const Case> soilCases();
 [[nodiscard]] std::span<const Case> rootCases();
 [[nodiscard]] std::span<const Case> uptakeCases();
