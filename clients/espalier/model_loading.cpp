@@ -395,13 +395,24 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
                   "A string that replaces the axiom: a file of `run -o NAME.string`, an MTG (.mtg), or a root\n"
                   "system (.rsml, or a .tsv table)")
       ->type_name("FILE");
+  addWorldOptions(command, options.world, options.stepDuration);
   command
-      .add_option("--world", options.world,
+      .add_option("--threads", options.threads,
+                  "Threads for strings of more than 65536 modules and for the rays of the environment 'light';\n"
+                  "0: as many as the process may use processors. The result does not depend on their number")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+}
+
+void addWorldOptions(CLI::App& command, std::string& world, std::string& stepDuration) {
+  command
+      .add_option("--world", world,
                   "The world: units, up and north, duration of a step, place, start and weather (.json; default:\n"
                   "world.json of the model folder, or of the forest)")
       ->type_name("FILE");
   command
-      .add_option("--step-duration", options.stepDuration,
+      .add_option("--step-duration", stepDuration,
                   "Time of a step, such as \"1 h\", \"0.25 d\" or \"30 min\" (default: the world's, or one day)")
       ->type_name("TIME")
       ->check([](const std::string& text) {
@@ -410,13 +421,6 @@ void addRunningOptions(CLI::App& command, ModelOptions& options) {
                    ? std::string{}
                    : "'" + text + "' is not a time: give one above 0, such as \"1 h\", \"0.25 d\" or \"30 min\"";
       });
-  command
-      .add_option("--threads", options.threads,
-                  "Threads for strings of more than 65536 modules and for the rays of the environment 'light';\n"
-                  "0: as many as the process may use processors. The result does not depend on their number")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
 }
 
 std::pair<std::string, std::string> splitDefine(const std::string& text) {

@@ -65,6 +65,8 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
 /// Adds the options for running it: --steps, --animate, --environment-policy, --environment-timeout, --iterations,
 /// --tolerance, --seed, --from, --world, --step-duration, --threads.
 void addRunningOptions(CLI::App& command, ModelOptions& options);
+/// Adds --world and --step-duration, which world_file.h reads.
+void addWorldOptions(CLI::App& command, std::string& world, std::string& stepDuration);
 
 /// `NAME=VALUE` as in the option -D of a preprocessor: without `=` the value is 1.
 [[nodiscard]] std::pair<std::string, std::string> splitDefine(const std::string& text);

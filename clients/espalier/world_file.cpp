@@ -7,6 +7,7 @@
 #include "clients/espalier/json_file.h"
 #include "clients/espalier/messages.h"
 #include "protocol/codec.h"
+#include "protocol/json_writer.h"
 #include "server/remote/translation/translate.h"
 
 namespace espalier::command {
@@ -37,29 +38,58 @@ std::string worldFileOf(const ModelOptions& options) {
   return fs::is_directory(options.model, error) && fs::is_regular_file(inside, error) ? inside.string() : std::string();
 }
 
-std::optional<protocol::WorldRecord> readWorldFile(const std::string& file, core::FileProvider& files) {
-  auto record = decodeJsonFile(file, "world file", files, protocol::decodeWorld);
-  return record && embedWeather(*record, file, files) ? record : std::nullopt;
+bool hasWorld(const ModelOptions& options, const std::string& file) {
+  return !options.world.empty() || !options.stepDuration.empty() || !file.empty();
+}
+
+std::optional<protocol::WorldRecord> completeRecord(protocol::WorldRecord record, const std::string& file,
+                                                    const ModelOptions& options, core::FileProvider& files) {
+  if (!options.stepDuration.empty()) {
+    record.stepDurationDays = *protocol::daysOfDuration(options.stepDuration);
+  }
+  return embedWeather(record, file, files) ? std::optional(std::move(record)) : std::nullopt;
+}
+
+std::optional<protocol::WorldRecord> readWorld(const ModelOptions& options, const std::string& file,
+                                               core::FileProvider& files) {
+  const std::string& chosen = options.world.empty() ? file : options.world;
+  if (chosen.empty()) {
+    return completeRecord({}, chosen, options, files);
+  }
+  auto record = decodeJsonFile(chosen, "world file", files, protocol::decodeWorld);
+  return record ? completeRecord(std::move(*record), chosen, options, files) : std::nullopt;
 }
 
 std::optional<turtle::World> loadWorld(const ModelOptions& options, const std::string& file,
                                        core::FileProvider& files) {
-  const std::string& chosen = options.world.empty() ? file : options.world;
-  if (chosen.empty()) {
-    return completeWorld({}, chosen, options, files);
+  const auto record = readWorld(options, file, files);
+  return record ? worldOf(*record, options.world.empty() ? file : options.world) : std::nullopt;
+}
+
+std::string worldText(const protocol::WorldRecord& record) {
+  protocol::JsonWriter text;
+  text.beginObject();
+  protocol::write(text, record);
+  return text.endObject().take();
+}
+
+std::optional<ChosenWorld> chooseWorld(const ModelOptions& options, const std::string& file,
+                                       core::FileProvider& files) {
+  const auto record = readWorld(options, file, files);
+  auto world = record ? worldOf(*record, options.world.empty() ? file : options.world) : std::nullopt;
+  if (!world) {
+    return std::nullopt;
   }
-  auto record = decodeJsonFile(chosen, "world file", files, protocol::decodeWorld);
-  return record ? completeWorld(std::move(*record), chosen, options, files) : std::nullopt;
+  return ChosenWorld{std::move(*world), hasWorld(options, file) ? worldText(*record) : std::string()};
 }
 
 std::optional<turtle::World> completeWorld(protocol::WorldRecord record, const std::string& file,
                                            const ModelOptions& options, core::FileProvider& files) {
-  if (!options.stepDuration.empty()) {
-    record.stepDurationDays = *protocol::daysOfDuration(options.stepDuration);
-  }
-  if (!embedWeather(record, file, files)) {
-    return std::nullopt;
-  }
+  const auto complete = completeRecord(std::move(record), file, options, files);
+  return complete ? worldOf(*complete, file) : std::nullopt;
+}
+
+std::optional<turtle::World> worldOf(const protocol::WorldRecord& record, const std::string& file) {
   auto world = server::toWorld(record);
   if (!world) {
     printError(file + ": " + world.error());

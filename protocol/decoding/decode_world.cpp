@@ -47,8 +47,18 @@ void readDegrees(const Member& member, double most, std::optional<double>& degre
   }
 }
 
-bool isZero(const std::array<double, 3>& vector) {
-  return vector[0] == 0.0 && vector[1] == 0.0 && vector[2] == 0.0;
+/// A direction; nothing is changed when it is absent. `example` is one, for messages.
+void readDirection(const Member& member, std::string_view example, std::array<double, 3>& direction) {
+  if (member.isAbsent()) {
+    return;
+  }
+  if (!member.isArray() || member.arraySize() != 3) {
+    member.failExpected("three numbers such as " + std::string(example));
+  }
+  direction = readVector(member);
+  if (direction[0] == 0.0 && direction[1] == 0.0 && direction[2] == 0.0) {
+    member.fail("a vector of length 0 has no direction; give a vector such as " + std::string(example));
+  }
 }
 
 }  // namespace
@@ -78,18 +88,8 @@ WorldRecord readWorld(const Member& member) {
   if (const Member unit = member["lengthUnit"]; !unit.isAbsent()) {
     world.lengthUnit = unit.text();
   }
-  if (const Member up = member["up"]; !up.isAbsent()) {
-    world.up = readVector(up);
-    if (isZero(world.up)) {
-      up.fail("a vector of length 0 has no direction; give a vector such as [0, 1, 0]");
-    }
-  }
-  if (const Member north = member["north"]; !north.isAbsent()) {
-    world.north = readVector(north);
-    if (isZero(world.north)) {
-      north.fail("a vector of length 0 has no direction; give a vector such as [0, 0, -1]");
-    }
-  }
+  readDirection(member["up"], "[0, 1, 0]", world.up);
+  readDirection(member["north"], "[0, 0, -1]", world.north);
   if (const Member duration = member["stepDuration"]; !duration.isAbsent()) {
     world.stepDurationDays = readDuration(duration);
     if (!(world.stepDurationDays > 0.0)) {

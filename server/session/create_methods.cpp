@@ -190,12 +190,18 @@ protocol::CreateResult resultWithWarnings(HostedSimulation& hosted, const Compil
   return result;
 }
 
+/// The plants and the world that the folder of a model brings; the mistake in its files, or nothing.
+std::optional<protocol::Error> expandFolder(const std::string& galleryFolder, protocol::CreateParams& params) {
+  auto problem = expandForest(galleryFolder, params);
+  return problem ? problem : expandWorld(galleryFolder, params);
+}
+
 /// Compiles, builds, saves and answers. On a worker.
 void createSimulation(const Request& request, protocol::CreateParams params, Interruption& interruption) {
   Session& session = request.session;
   const protocol::MessageId& id = request.id;
   ServerCore& core = session.core();
-  if (const auto problem = expandForest(core.options().galleryFolder, params)) {
+  if (const auto problem = expandFolder(core.options().galleryFolder, params)) {
     session.respondError(id, *problem);
     return;
   }
@@ -252,7 +258,7 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
 /// The same in the place of a simulation that is there. In its turn; on failure it stays as it is.
 protocol::Expected<std::string> replaceSimulation(ServerCore& core, SimulationRunner& runner,
                                                   protocol::CreateParams params) {
-  if (auto problem = expandForest(core.options().galleryFolder, params)) {
+  if (auto problem = expandFolder(core.options().galleryFolder, params)) {
     return tl::unexpected(std::move(*problem));
   }
   PartMeter modelMemory;

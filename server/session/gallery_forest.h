@@ -15,4 +15,10 @@ namespace espalier::server {
 [[nodiscard]] std::optional<protocol::Error> expandForest(const std::string& galleryFolder,
                                                           protocol::CreateParams& params);
 
+/// The world that the `world.json` of a gallery folder, or among the files of a request, gives to `params` that have
+/// none, with the table of weather that it names. After expandForest(), whose forest has a world of its own. Returns
+/// the mistake in the file; nothing otherwise.
+[[nodiscard]] std::optional<protocol::Error> expandWorld(const std::string& galleryFolder,
+                                                         protocol::CreateParams& params);
+
 }  // namespace espalier::server

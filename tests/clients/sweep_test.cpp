@@ -370,6 +370,12 @@ TEST(SlurmJob, SplitsAnArrayAtTheLimitOfTheCluster) {
       slurmScript({.plan = "p.json", .output = "r.sqlite", .slices = 8, .options = {"--time=1:00"}}, "/bin/espalier");
   EXPECT_NE(script.find("#SBATCH --time=1:00\n"), std::string::npos);
   EXPECT_NE(script.find("sweep 'p.json' -o 'r'.part-$k.sqlite --slice $k/8"), std::string::npos);
+  SlurmJob job{.plan = "p.json", .output = "r.sqlite", .slices = 8, .options = {}};
+  EXPECT_EQ(slurmScript(job, "/bin/espalier").find("--world"), std::string::npos);
+  job.world = "berlin.json";
+  job.stepDuration = "1 h";
+  EXPECT_NE(slurmScript(job, "/bin/espalier").find(" --world 'berlin.json' --step-duration '1 h'\n"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -59,6 +59,13 @@ class Worlds(unittest.TestCase):
         self.assertEqual(self.derive(str(self.folder), "--environment", self.sun), expected)
         # the server
         with Server(program=program(), listen="127.0.0.1:0") as server, server.connect() as client:
+            for given in (["--world", world], ["--world", days, "--step-duration", "60 min"]):
+                plant = espalier("connect", server.address, "create", self.model, "--environment", json.dumps([SUN]), *given)
+                espalier("connect", server.address, "run", plant.stdout.strip())
+                self.assertEqual(light(espalier("connect", server.address, "get", plant.stdout.strip(), "string").stdout)[0],
+                                 expected[3])
+            self.assertIn("there is no world file 'none.json'", espalier(
+                "connect", server.address, "create", self.model, "--world", "none.json", status=1).stderr)
             simulation = client.create(SENSOR, environment=[SUN], world=WORLD)
             simulation.run()
             self.assertEqual(light(simulation.string())[0], expected[3])
@@ -107,8 +114,85 @@ class Worlds(unittest.TestCase):
         self.assertEqual([line.split("\t")[1] for line in strings], ["B(0)", "B(9)", "B(12)", "F(2)", "F(2)"])
         self.assertIn("the world has no 'weather'", espalier("derive", model, status=1).stderr)
 
+    def test_a_server_gives_the_folder_of_a_model_its_world(self) -> None:
+        folder = self.folder / "gallery" / "sensor"
+        folder.mkdir(parents=True)
+        (folder / "sensor.l").write_text(SENSOR)
+        (folder / "sensor.json").write_text(json.dumps(SUN))
+        (folder / "weather.csv").write_text("time,direct,diffuse\n0,800,100\n0.1,100,50\n")
+        (folder / "world.json").write_text(json.dumps({**WORLD, "weather": "weather.csv"}))
+        expected = self.derive(str(folder))[3]
+        self.assertGreater(expected, 0.0)
+        forest = self.folder / "gallery" / "stand"
+        forest.mkdir()
+        (forest / "sensor.l").write_text(SENSOR)
+        (forest / "weather.csv").write_text((folder / "weather.csv").read_text())
+        (forest / "forest.json").write_text(json.dumps(
+            {"models": [{"name": "sensor", "file": "sensor.l"}], "plants": [{"position": [0, 0, 0]}], "environment": [SUN],
+             "world": {**WORLD, "weather": "weather.csv"}}))
+        with Server(program=program(), listen="127.0.0.1:0", arguments=["--gallery", str(self.folder / "gallery")]) as server, \
+                server.connect() as client:
+            made = {"gallery": client.create(gallery="sensor"), "forest": client.create(gallery="stand"),
+                    "folder": client.create(folder)}
+            for name, simulation in made.items():
+                simulation.run()
+                self.assertEqual(light(simulation.string())[0], expected, name)
+            # the request's own world wins
+            own = client.create(gallery="sensor", world={**WORLD, "start": "2021-06-21T00:00+02:00"})
+            own.run()
+            self.assertEqual(light(own.string())[0], 0.0)
+            (folder / "world.json").write_text('{"weather": "none.csv"}')
+            with self.assertRaises(ServerError) as caught:
+                client.create(gallery="sensor")
+            self.assertIn("The gallery's 'sensor/world.json': there is no table of weather 'none.csv'", str(caught.exception))
+
+    def test_a_sweep_runs_in_a_world(self) -> None:
+        world = self.write("berlin.json", json.dumps(WORLD))
+        expected = self.derive(self.model, "--environment", self.sun, "--world", world)[3]
+        plan: Dict[str, Any] = {"model": "sensor.l", "environment": SUN, "measures": {"light": {"sum": "c", "of": "E(a,b,c)"}}}
+        results = str(self.folder / "results.sqlite")
+
+        def swept(*options: str, **members: Any) -> float:
+            file = self.write("plan.json", json.dumps({**plan, **members}))
+            Path(results).unlink(missing_ok=True)
+            espalier("sweep", file, "-o", results, "--quiet", *options)
+            return float(espalier("sweep", "export", results).stdout.splitlines()[1].split(",")[2])
+
+        # the last step is answered with the third hour in sight
+        self.assertAlmostEqual(swept("--world", world, answered=False), expected)
+        self.assertAlmostEqual(swept(world="berlin.json"), expected)
+        self.assertAlmostEqual(swept(world=WORLD), expected)
+        self.assertAlmostEqual(swept("--step-duration", "1 h", world={**WORLD, "stepDuration": "1 d"}), expected)
+        self.assertAlmostEqual(swept(world={**WORLD, "stepDuration": "1 d"}, stepDuration="1 h"), expected)
+        # results of one world are not continued in another
+        self.assertAlmostEqual(swept("--world", world), expected)
+        failed = espalier("sweep", str(self.folder / "plan.json"), "-o", results, "--world", world, "--step-duration", "2 h", status=1)
+        self.assertIn("the model, its environment or the version of the program differs", " ".join(failed.stderr.split()))
+        # the folder of a model brings its own
+        self.write("world.json", json.dumps(WORLD))
+        self.assertAlmostEqual(swept(model=str(self.folder)), expected)
+        for members, sentence in (({"world": {"latitude": 91}}, "plan.json: world: latitude: expected degrees from -90 to 90, found 91"),
+                                  ({"world": "none.json"}, "there is no world file"),
+                                  ({"stepDuration": "1 month"}, 'stepDuration: expected a time above 0 such as "1 h"')):
+            file = self.write("plan.json", json.dumps({**plan, **members}))
+            self.assertIn(sentence, espalier("sweep", file, "-o", results, status=1).stderr)
+
+    def test_an_evolution_runs_in_a_world(self) -> None:
+        # the plant has more segments from half a day on
+        model = self.write("hours.l", "#define K 1\nLsystem: 1\nderivation length: 3\nAxiom: A\n"
+                                      "A : world.time > 0.5 * K --> FFFFA\nA --> FA\nendlsystem\n")
+        table = {}
+        for duration in ("1 h", "1 d"):
+            folder = self.folder / duration.replace(" ", "")
+            espalier("evolve", model, "--gene", "K=0.9:1.1", "--population", "2", "--generations", "1", "--fitness", "length",
+                     "--step-duration", duration, "-o", str(folder), "--quiet")
+            table[duration] = (folder / "generations.csv").read_text()
+        self.assertNotEqual(table["1 h"], table["1 d"])
+
     def test_what_cannot_be_has_a_sentence(self) -> None:
         for world, sentence in (({"up": [0, 0, 0]}, "up: a vector of length 0 has no direction"),
+                                ({"up": "none"}, "up: expected three numbers such as [0, 1, 0], found \"none\""),
+                                ({"north": [1, 0]}, "north: expected three numbers such as [0, 0, -1], found an array"),
                                 ({"up": [0, 1, 0], "north": [0, -1, 0]}, "'north' is along 'up'"),
                                 ({"stepDuration": 0}, "stepDuration: expected a duration above 0, found 0"),
                                 ({"stepDuration": "1 month"}, "stepDuration: expected a number of days, or a text"),

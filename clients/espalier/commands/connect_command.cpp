@@ -41,6 +41,8 @@ struct ConnectOptions {
   std::string gallery;
   std::string environment;
   std::string compatibility;
+  std::string world;
+  std::string stepDuration;
   std::string simulation;
   std::string what = "string";
   std::string file;
@@ -263,11 +265,13 @@ int create(Client& client, const ConnectOptions& options) {
     }
     params.key("environment").raw(*array);
   }
-  ModelOptions folder;
-  folder.model = options.model;
-  if (const std::string worldFile = worldFileOf(folder); !worldFile.empty()) {
+  ModelOptions of;
+  of.model = options.model;
+  of.world = options.world;
+  of.stepDuration = options.stepDuration;
+  if (const std::string worldFile = worldFileOf(of); hasWorld(of, worldFile)) {
     server::DiskFileProvider files;
-    const auto world = readWorldFile(worldFile, files);
+    const auto world = readWorld(of, worldFile, files);
     if (!world) {
       return kFailure;
     }
@@ -443,6 +447,7 @@ void addConnect(CLI::App& program, int& status) {
   action->add_option("--derivation-length", options->derivationLength, "Number of steps instead of the model's");
   action->add_option("--compat", options->compatibility,
                      "Reproduce the program cpfg: its interactive run (cpfg) or its batch run (cpfg-batch)");
+  addWorldOptions(*action, options->world, options->stepDuration);
 
   action = addAction(*command, options, "step", "Make steps; prints the completed step", step);
   addSimulation(action, options);

@@ -23,6 +23,7 @@
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/outputs.h"
+#include "clients/espalier/world_file.h"
 #include "engine/core/number_text.h"
 #include "server/remote/disk_files.h"
 
@@ -112,6 +113,11 @@ class Evolution {
     if (!program) {
       return false;
     }
+    auto world = chooseWorld(options_.model, worldFileOf(options_.model), files);
+    if (!world) {
+      return false;
+    }
+    world_ = std::move(world->world);
     viewFile_ = program->viewFile;
     hasMadeView_ = !viewFile_.empty() && !files.read(viewFile_);
     std::vector<Gene> genes;
@@ -120,6 +126,7 @@ class Evolution {
     }
     settings_.model = std::to_string(program->hash) + " " + options_.model.environment + " " +
                       (options_.model.steps ? std::to_string(*options_.model.steps) : std::string("-"));
+    settings_.model += (world->text.empty() ? "" : " ") + world->text;
     auto variants = ModelVariants::make(program, std::move(genes), options_.variesProductions,
                                         static_cast<std::size_t>(options_.longestSuccessor));
     if (!variants) {
@@ -202,6 +209,7 @@ class Evolution {
     simulationOptions.fileWriter = nullptr;
     simulationOptions.messages = {};
     simulationOptions.palette = folder_.palette;
+    simulationOptions.world = world_;
     auto simulation = std::make_unique<simulation::Simulation>(*program, std::vector<turtle::PlantPlacement>(1),
                                                                std::move(environment), std::move(simulationOptions));
     if (const auto failure = simulation->rewind()) {
@@ -411,6 +419,7 @@ class Evolution {
   EvolveOptions& options_;
   EvolutionSettings settings_;
   server::FolderSettings folder_;
+  turtle::World world_;
   FitnessFormula formula_;
   std::optional<ModelVariants> variants_;
   std::unique_ptr<FitnessProcess> process_;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "clients/espalier/commands/commands.h"
+#include "clients/espalier/json_file.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/model_loading.h"
 #include "clients/espalier/number_option.h"
@@ -22,6 +23,7 @@
 #include "clients/espalier/sweep/run_pipe.h"
 #include "clients/espalier/sweep/slurm_job.h"
 #include "clients/espalier/sweep/sweep.h"
+#include "clients/espalier/world_file.h"
 #include "environment/registry.h"
 #include "server/remote/control_group.h"
 #include "server/remote/disk_files.h"
@@ -48,6 +50,7 @@ struct SweepOptions {
   bool usesSlurm = false;
   std::uint64_t slices = 0;
   std::vector<std::string> jobOptions;
+  std::string world, stepDuration;  // in place of the plan's; empty: the plan's
   bool isQuiet = false;
   bool allowsFolderPrograms = false;
 
@@ -154,6 +157,30 @@ bool findEnvironment(SweepInput& input, const std::string& planFile, const Model
   return true;
 }
 
+// the world of the options, of the plan or of the model's folder; prints errors
+std::optional<ChosenWorld> worldOfSweep(const Prepared& prepared, const SweepOptions& sweep, const ModelOptions& model,
+                                        core::FileProvider& files) {
+  const Plan& plan = prepared.plan;
+  ModelOptions options;
+  options.model = model.model;
+  options.world = sweep.world;
+  options.stepDuration = sweep.stepDuration.empty() ? plan.stepDuration : sweep.stepDuration;
+  const bool isInPlan = options.world.empty() && plan.world.starts_with('{');
+  if (!isInPlan) {
+    const std::string file = plan.world.empty() || !options.world.empty()
+                                 ? worldFileOf(options)
+                                 : foundFile(plan.world, prepared.folder, false);
+    return chooseWorld(options, file, files);
+  }
+  core::MemoryFileProvider memory;
+  const std::string name = prepared.file + ": world";
+  memory.add(name, plan.world);
+  auto record = decodeJsonFile(name, "world", memory, protocol::decodeWorld);
+  const auto complete = record ? completeRecord(std::move(*record), prepared.file, options, files) : std::nullopt;
+  auto world = complete ? worldOf(*complete, name) : std::nullopt;
+  return world ? std::optional(ChosenWorld{std::move(*world), worldText(*complete)}) : std::nullopt;
+}
+
 // the model of a plan with everything that its runs share; prints errors
 std::unique_ptr<SweptModel> loadSweptModel(Prepared& prepared, const SweepOptions& sweep, core::FileProvider& files) {
   const Plan& plan = prepared.plan;
@@ -193,6 +220,12 @@ std::unique_ptr<SweptModel> loadSweptModel(Prepared& prepared, const SweepOption
   if (!findEnvironment(input, prepared.file, options, files)) {
     return nullptr;
   }
+  auto world = worldOfSweep(prepared, sweep, options, files);
+  if (!world) {
+    return nullptr;
+  }
+  input.world = std::move(world->world);
+  input.worldText = std::move(world->text);
   const std::span<const double> first = prepared.table.count() == 0 ? std::span<const double>() : prepared.table.row(0);
   Result<std::unique_ptr<SweptModel>> model = SweptModel::make(std::move(input), first, files);
   if (!model) {
@@ -350,12 +383,13 @@ int runPlan(const SweepOptions& options) {
     return kFailure;
   }
   if (options.usesSlurm) {
-    const Result<std::vector<std::string>> jobs =
-        submitSlurmJob({.plan = options.plan,
-                        .output = options.output,
-                        .slices = options.slices,
-                        .options = options.jobOptions,
-                        .allowsFolderPrograms = options.allowsFolderPrograms});
+    const Result<std::vector<std::string>> jobs = submitSlurmJob({.plan = options.plan,
+                                                                  .output = options.output,
+                                                                  .slices = options.slices,
+                                                                  .options = options.jobOptions,
+                                                                  .allowsFolderPrograms = options.allowsFolderPrograms,
+                                                                  .world = options.world,
+                                                                  .stepDuration = options.stepDuration});
     if (!jobs) {
       printError(jobs.error());
       return kFailure;
@@ -502,6 +536,7 @@ void addSweep(CLI::App& program, int& status) {
   })->type_name("N");
   command->add_option("--job-option", options->jobOptions, "An option of sbatch, as --time=01:00:00. May be repeated")
       ->allow_extra_args(false);
+  addWorldOptions(*command, options->world, options->stepDuration);
   command->add_flag("--allow-folder-programs", options->allowsFolderPrograms,
                     "The environment of the plan or of its model may start the programs and plug-ins that it names:\n"
                     "for plans that you trust");

@@ -10,6 +10,7 @@
 #include "clients/espalier/sweep/shape_measures.h"
 #include "clients/espalier/sweep/tree_measures.h"
 #include "engine/core/diagnostic.h"
+#include "protocol/codec.h"
 
 namespace espalier::command {
 namespace {
@@ -487,6 +488,17 @@ void readModel(MemberReader& reader, Plan& plan, std::vector<std::string>& probl
     } else {
       reader.text("environment", plan.environment);
     }
+  }
+  if (const ordered_json* world = reader.find("world")) {
+    if (world->is_object()) {
+      plan.world = world->dump();
+    } else {
+      reader.text("world", plan.world);
+    }
+  }
+  reader.text("stepDuration", plan.stepDuration);
+  if (!plan.stepDuration.empty() && !(protocol::daysOfDuration(plan.stepDuration).value_or(0.0) > 0.0)) {
+    reader.complain("stepDuration", "expected a time above 0 such as \"1 h\" or \"0.25 d\"");
   }
   if (const ordered_json* defines = reader.find("defines")) {
     plan.defines = readSettings(*defines, "defines", problems);

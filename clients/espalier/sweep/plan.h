@@ -98,8 +98,10 @@ struct Plan {
   std::string text;  // the JSON in one form, whatever its layout: two plans with equal texts ask for the same
   std::string model;
   std::string object, view, dialect, compatibility;
-  std::string environment;  // a name or a file as of --environment; or JSON text that begins with `{` or `[`; empty:
-                            // the model's own
+  std::string environment;   // a name or a file as of --environment; or JSON text that begins with `{` or `[`; empty:
+                             // the model's own
+  std::string world;         // a file as of --world; or JSON text that begins with `{`; empty: the model folder's own
+  std::string stepDuration;  // as of --step-duration; empty: that of the world
   std::optional<std::uint64_t> steps;
   std::uint64_t seed = 1;
   bool isAnswered = false;  // measures see the answers of the environment to the last string

@@ -18,6 +18,8 @@ std::string_view planSchema() {
     "dialect": {"type": "string", "description": "dialect of the model; default: found by its content"},
     "compatibility": {"enum": ["cpfg", "cpfg-batch"]},
     "environment": {"type": ["string", "object", "array"], "description": "built-in process, file, or the configuration itself; default: the model's own"},
+    "world": {"type": ["string", "object"], "description": "world file, or its members; default: world.json of the model's folder"},
+    "stepDuration": {"type": "string", "description": "time of a step, as 1 h or 0.25 d; default: the world's"},
     "steps": {"type": "integer", "minimum": 0, "description": "default: the model's derivation length"},
     "seed": {"type": "integer", "minimum": 0, "default": 1, "description": "of runs without a seed of their own"},
     "answered": {"type": "boolean", "default": false, "description": "measures see the answers of the environment to the last string"},

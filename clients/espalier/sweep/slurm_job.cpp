@@ -101,6 +101,8 @@ std::string slurmScript(const SlurmJob& job, const std::string& program) {
   return text + "k=$((${ESPALIER_OFFSET:-0} + SLURM_ARRAY_TASK_ID))\nexec " + quotedForShell(program) + " sweep " +
          quotedForShell(job.plan) + " -o " + quotedForShell(stem) + ".part-$k.sqlite --slice $k/" +
          std::to_string(job.slices) + " --workers ${SLURM_CPUS_PER_TASK:-1}" +
+         (job.world.empty() ? "" : " --world " + quotedForShell(job.world)) +
+         (job.stepDuration.empty() ? "" : " --step-duration " + quotedForShell(job.stepDuration)) +
          (job.allowsFolderPrograms ? " --allow-folder-programs\n" : "\n");
 }
 

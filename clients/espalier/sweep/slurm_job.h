@@ -14,8 +14,9 @@ struct SlurmJob {
   std::string plan;
   std::string output;
   std::uint64_t slices = 1;
-  std::vector<std::string> options;   // of sbatch, for the jobs of the array
-  bool allowsFolderPrograms = false;  // of the sweep
+  std::vector<std::string> options;     // of sbatch, for the jobs of the array
+  bool allowsFolderPrograms = false;    // of the sweep
+  std::string world{}, stepDuration{};  // of the sweep; empty: not given
 };
 
 /// The arrays of a job: first slice and number of jobs of each, at most `limit` jobs an array.

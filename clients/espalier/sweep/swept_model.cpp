@@ -198,8 +198,9 @@ Result<std::unique_ptr<SweptModel>> SweptModel::make(SweepInput input, std::span
     return problem(first.error());
   }
   model->first_ = *first;
-  model->identity_ =
-      std::string(ESPALIER_VERSION) + " " + hexText(plain.program->hash) + " " + model->input_.configuration;
+  model->identity_ = std::string(ESPALIER_VERSION) + " " + hexText(plain.program->hash) + " " +
+                     model->input_.configuration + (model->input_.worldText.empty() ? "" : " ") +
+                     model->input_.worldText;
   if (const auto slots = model->variableSlots(*model->first_->program); !slots) {
     return problem(slots.error());
   }
@@ -321,6 +322,7 @@ std::optional<std::string> ModelRunner::prepare(std::span<const double> row) {
     options.derivationLength = model_.plan().steps;
     options.limits = model_.input().model.limits;
     options.palette = model_.input().palette;
+    options.world = model_.input().world;
     options.fileWriter = std::make_shared<NoFiles>();
     options.messages = [this](core::MessageKind kind, std::string_view text) {
       if (kind == core::MessageKind::Warning && warning_.empty()) {

@@ -20,6 +20,7 @@
 #include "engine/files/colour_files.h"
 #include "engine/language/program.h"
 #include "engine/simulation/simulation.h"
+#include "engine/turtle/world.h"
 
 namespace espalier::command {
 
@@ -30,6 +31,8 @@ struct SweepInput {
   std::string configuration;     // JSON text of the list of environments; empty: environmentMaker
   EnvironmentMaker environmentMaker;
   files::Palette palette;
+  turtle::World world{};
+  std::string worldText{};  // tells the world from others; empty: nothing says what it is
 };
 
 /// One variant of the model: the Program for a set of macros.
