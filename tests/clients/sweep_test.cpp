@@ -38,8 +38,8 @@ TEST(Plan, NamesEveryMistakeWithItsPlaceAndTheNearestName) {
       "extentZ, spread, length, segments, woodArea, woodVolume, organs, leafArea, silhouetteTop, silhouetteFront, "
       "silhouetteSide, sky, symmetry, stability, branching.\n"
       "modle: there is no such member. Did you mean 'model'? Available: $schema, title, model, object, view, "
-      "dialect, compatibility, environment, defines, limits, steps, seed, answered, parameters, runs, replicates, "
-      "measures, files.");
+      "dialect, compatibility, environment, world, stepDuration, defines, limits, steps, seed, answered, parameters, "
+      "runs, replicates, measures, files.");
   EXPECT_NE(problemOf(R"({"model":"a","measures":{"n":{"cuont":"A"}}})").find("Did you mean 'count'?"),
             std::string::npos);
   EXPECT_NE(problemOf(R"({"model":"a","runs":{"design":"sobl","count":4},)" + kMeasures + "}")
