@@ -39,6 +39,12 @@ struct ServerOptions {
   std::vector<Token> tokens;  // none: clients need none; any address but loopback needs one
   /// Reads the tokens again when SIGHUP comes, on a worker. Null: SIGHUP stops the server.
   std::function<tl::expected<std::vector<Token>, std::string>()> readTokens;
+  struct ReadLimits {
+    ServerLimits limits;
+    std::vector<std::string> restartKeys{};  // of the configuration: changed, but read only at start
+  };
+  /// Reads the limits again when SIGHUP comes, on a worker. Null: they stay.
+  std::function<tl::expected<ReadLimits, std::string>()> readLimits;
   /// Called once, when the server serves and handles signals. Null: nothing.
   std::function<void()> readySignal;
   /// Called on the network thread about once a second while the server serves. Null: nothing.
@@ -47,7 +53,7 @@ struct ServerOptions {
   RemotePermissions remote;        // environments in other processes that clients may name
   unsigned workers = 0;            // 0: processorCount() of server/remote/control_group.h
   unsigned threads = 1;            // of one step; the plant is the same for any number
-  ServerLimits limits;
+  ServerLimits limits;             // at start
   std::string logLevel = "info";   // trace debug info warn error off
   std::string logFormat = "text";  // text or json
 };
@@ -66,8 +72,8 @@ class Server {
   [[nodiscard]] std::uint16_t port() const;
   /// The port of the HTTP side; 0: there is none.
   [[nodiscard]] std::uint16_t httpPort() const;
-  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it. SIGHUP reads the tokens again
-  /// where there is readTokens; else it stops the server, unless it is ignored (nohup).
+  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it. SIGHUP reads the tokens and the
+  /// limits again where there is readTokens or readLimits; else it stops the server, unless it is ignored (nohup).
   void run(bool handleSignals);
   void stop();
 

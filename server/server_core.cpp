@@ -26,6 +26,14 @@ std::string randomName() {
   return name;
 }
 
+std::string listText(const std::vector<std::string>& parts) {
+  std::string text;
+  for (const std::string& part : parts) {
+    text += (text.empty() ? "" : ", ") + part;
+  }
+  return text;
+}
+
 }  // namespace
 
 std::uint64_t drawSeed() {
@@ -38,6 +46,7 @@ ServerCore::ServerCore(ServerOptions options)
     : options_(std::move(options)),
       log_(options_.logLevel, options_.logFormat),
       access_(options_.tokens),
+      limits_(options_.limits),
       accounts_(options_.limits),
       store_(options_.dataFolder, options_.limits.storeBytes, options_.durability),
       models_(options_.galleryFolder, store_),
@@ -66,9 +75,9 @@ EnvironmentServices ServerCore::environmentServices() {
   }
   services.galleryFolder = options_.galleryFolder;
   services.threads = options_.threads;
-  services.connectTimeout = std::chrono::milliseconds(options_.limits.environmentConnectMilliseconds);
-  services.frames = {.lineBytes = options_.limits.lineBytes, .blockBytes = options_.limits.blockBytes};
-  services.stepTimeout = std::chrono::milliseconds(options_.limits.environmentStepMilliseconds);
+  services.connectTimeout = std::chrono::milliseconds(limits().environmentConnectMilliseconds);
+  services.frames = {.lineBytes = limits().lineBytes, .blockBytes = limits().blockBytes};
+  services.stepTimeout = std::chrono::milliseconds(limits().environmentStepMilliseconds);
   return services;
 }
 
@@ -94,6 +103,55 @@ void ServerCore::readTokensAgain() {
                     }
                   },
               .owner = "tokens"});
+}
+
+void ServerCore::readLimitsAgain(std::function<void()> whenChanged) {
+  pool_.post({.run =
+                  [this, whenChanged = std::move(whenChanged)] {
+                    const auto read = options_.readLimits();
+                    if (!read) {
+                      log_.error("the limits stay as they are: " + read.error());
+                      return;
+                    }
+                    if (!read->restartKeys.empty()) {
+                      log_.warn("changed in the configuration, and read only when the server starts: " +
+                                listText(read->restartKeys));
+                    }
+                    if (setLimits(read->limits)) {
+                      whenChanged();
+                    }
+                  },
+              .owner = "limits"});
+}
+
+bool ServerCore::setLimits(const ServerLimits& fresh) {
+  const std::lock_guard lock(limitsMutex_);
+  std::vector<std::string> now;
+  std::vector<std::string> later;
+  for (const LimitEntry& entry : limitEntries()) {
+    const std::uint64_t before = entry.get(limits());
+    if (const std::uint64_t after = entry.get(fresh); after != before) {
+      (entry.isOfSimulation ? later : now)
+          .push_back(std::string(entry.name) + " " + std::to_string(before) + " -> " + std::to_string(after));
+    }
+  }
+  if (now.empty() && later.empty()) {
+    log_.info("read the limits again: none has changed");
+    return false;
+  }
+  limits_.set(fresh);
+  accounts_.setLimits(fresh);
+  savedModels_.setMostBytes(fresh.savedModelBytes);
+  if (const auto problem = store_.setMaximumBytes(fresh.storeBytes)) {
+    log_.error("the limit storeBytes stays as it was: " + *problem);
+  }
+  if (!now.empty()) {
+    log_.info("read the limits again: " + listText(now));
+  }
+  if (!later.empty()) {
+    log_.info("read the limits again, for simulations that are made or loaded from now on: " + listText(later));
+  }
+  return true;
 }
 
 std::optional<std::string> ServerCore::loadSaved() {
@@ -131,7 +189,7 @@ void ServerCore::loadOne(const Store::Entry& entry) {
     const Store::State state = store_.readState(entry.id);
     information.damage = state.problem;
     if (state.problem.empty()) {
-      auto loaded = HostedSimulation::load(std::move(*record), state.bytes, options_.limits.simulation,
+      auto loaded = HostedSimulation::load(std::move(*known), state.bytes, limits().simulation,
                                            environmentServices(), store_);
       if (loaded) {
         Account& owner = accounts_.of(entry.owner);
@@ -190,10 +248,9 @@ std::shared_ptr<SimulationRunner> ServerCore::find(const std::string& simulation
 
 protocol::Expected<std::string> ServerCore::reserve(const std::string& session, const std::string& owner,
                                                     const std::string& wanted) {
-  const ServerLimits& limits = options_.limits;
   const Account& account = accounts_.of(owner);
   const std::lock_guard lock(mutex_);
-  if (const std::uint64_t bound = limits.simulations; simulations_.size() >= bound) {
+  if (const std::uint64_t bound = limits().simulations; simulations_.size() >= bound) {
     return tl::unexpected(protocol::limitError("simulations", bound + 1, bound, "Delete one first."));
   }
   if (const std::uint64_t bound = account.bounds().simulations; account.simulations() >= bound) {
@@ -202,7 +259,7 @@ protocol::Expected<std::string> ServerCore::reserve(const std::string& session, 
   }
   const auto own = std::count_if(creators_.begin(), creators_.end(),
                                  [&session](const auto& entry) { return entry.second == session; });
-  if (const std::uint64_t bound = limits.simulationsPerSession; static_cast<std::uint64_t>(own) >= bound) {
+  if (const std::uint64_t bound = limits().simulationsPerSession; static_cast<std::uint64_t>(own) >= bound) {
     return tl::unexpected(
         protocol::limitError("simulationsPerSession", bound + 1, bound, "Delete one that this connection made first."));
   }
@@ -226,7 +283,7 @@ void ServerCore::add(const std::string& simulation, std::unique_ptr<HostedSimula
   };
   RunnerServices services{.pool = &pool_,
                           .log = &log_,
-                          .limits = &options_.limits,
+                          .limits = &limits_,
                           .account = &accounts_.of(hosted->record().owner),
                           .load = [this](const std::string& id) { return loadAgain(id); },
                           .makeRoom = [this](const SimulationRunner& needy) { return makeRoom(needy.account()); }};
@@ -252,8 +309,7 @@ protocol::Expected<std::unique_ptr<HostedSimulation>> ServerCore::loadAgain(cons
   if (!state.problem.empty()) {
     return tl::unexpected(protocol::Error{protocol::ErrorCode::Storage, state.problem + ".", {}});
   }
-  return HostedSimulation::load(std::move(known), state.bytes, options_.limits.simulation, environmentServices(),
-                                store_);
+  return HostedSimulation::load(std::move(known), state.bytes, limits().simulation, environmentServices(), store_);
 }
 
 bool ServerCore::makePassive(const Account* account, const std::function<bool()>& isWanted) {

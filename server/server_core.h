@@ -18,6 +18,7 @@
 #include "server/remote/offered_environments.h"
 #include "server/running/account.h"
 #include "server/running/environment_builder.h"
+#include "server/running/live_limits.h"
 #include "server/running/simulation_runner.h"
 #include "server/running/worker_pool.h"
 #include "server/server.h"
@@ -37,7 +38,9 @@ class ServerCore {
   ServerCore(const ServerCore&) = delete;
   ServerCore& operator=(const ServerCore&) = delete;
 
+  /// As the server was started. Of the limits, limits() has the present ones.
   [[nodiscard]] const ServerOptions& options() const { return options_; }
+  [[nodiscard]] const ServerLimits& limits() const { return limits_.get(); }
   [[nodiscard]] const Log& log() const { return log_; }
   [[nodiscard]] Access& access() { return access_; }
   [[nodiscard]] const Access& access() const { return access_; }
@@ -57,6 +60,12 @@ class ServerCore {
 
   /// Has a worker read the tokens again. A mistake is logged, and the tokens stay as they are.
   void readTokensAgain();
+
+  /// Has a worker read the limits again. It logs which of them have changed. A mistake is logged, and the limits stay
+  /// as they are. `whenChanged` is called on the worker.
+  void readLimitsAgain(std::function<void()> whenChanged);
+  /// Other limits from now on. False: they are the same.
+  bool setLimits(const ServerLimits& fresh);
 
   /// Loads what the data folder has. An error sentence when the folder cannot be used.
   [[nodiscard]] std::optional<std::string> loadSaved();
@@ -111,6 +120,8 @@ class ServerCore {
   ServerOptions options_;
   Log log_;
   Access access_;
+  LiveLimits limits_;
+  std::mutex limitsMutex_;  // one change at a time
   Accounts accounts_;
   OfferedEnvironments offered_;
   Store store_;

@@ -102,6 +102,10 @@ std::optional<std::string> applyToken(std::vector<server::Token>& tokens, const 
   return std::nullopt;
 }
 
+std::optional<std::string> applyLimit(server::ServerLimits& limits, const CLI::ConfigItem& item) {
+  return server::setLimit(limits, item.name + "=" + (item.inputs.empty() ? std::string() : item.inputs.front()));
+}
+
 std::string sectionOf(const CLI::ConfigItem& item) {
   return item.parents.size() == 1 ? item.parents.front() : std::string();
 }
@@ -109,7 +113,7 @@ std::string sectionOf(const CLI::ConfigItem& item) {
 std::optional<std::string> applyItem(CLI::App& command, server::ServerOptions& options, const CLI::ConfigItem& item) {
   const std::string section = sectionOf(item);
   if (section == "limits" && item.inputs.size() == 1) {
-    return server::setLimit(options.limits, item.name + "=" + item.inputs.front());
+    return applyLimit(options.limits, item);
   }
   if (section == "spawn") {
     return applyCommand(options, item);
@@ -152,6 +156,23 @@ std::optional<std::string> readConfiguredTokens(const std::string& file, std::ve
   return readItems(file, [&tokens](const CLI::ConfigItem& item) {
     return sectionOf(item) == "tokens" ? applyToken(tokens, item) : std::nullopt;
   });
+}
+
+std::optional<std::string> readConfiguredLimits(const std::string& file, server::ServerLimits& limits) {
+  return readItems(file, [&limits](const CLI::ConfigItem& item) {
+    return sectionOf(item) == "limits" ? applyLimit(limits, item) : std::nullopt;
+  });
+}
+
+std::map<std::string, std::vector<std::string>> readStartItems(const std::string& file) {
+  std::map<std::string, std::vector<std::string>> items;
+  (void)readItems(file, [&items](const CLI::ConfigItem& item) -> std::optional<std::string> {
+    if (const std::string section = sectionOf(item); section != "limits" && section != "tokens") {
+      items[item.fullname()] = item.inputs;
+    }
+    return std::nullopt;
+  });
+  return items;
 }
 
 std::string serveConfigurationText(const CLI::App& command, const server::ServerOptions& options) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,13 @@ namespace espalier::command {
 /// Adds the tokens of the section [tokens] of a configuration; nothing else is used. An error sentence as above.
 [[nodiscard]] std::optional<std::string> readConfiguredTokens(const std::string& file,
                                                               std::vector<server::Token>& tokens);
+
+/// The limits of the section [limits] of a configuration; nothing else is used. An error sentence as above.
+[[nodiscard]] std::optional<std::string> readConfiguredLimits(const std::string& file, server::ServerLimits& limits);
+
+/// The items of a configuration beside limits and tokens, by name ("listen", "spawn.light"): what a server reads when
+/// it starts. None when the file cannot be read.
+[[nodiscard]] std::map<std::string, std::vector<std::string>> readStartItems(const std::string& file);
 
 /// The effective values in the form that readServeConfiguration reads. Of tokens only the hashes are shown.
 [[nodiscard]] std::string serveConfigurationText(const CLI::App& command, const server::ServerOptions& options);

@@ -308,7 +308,7 @@ class Download final : public std::enable_shared_from_this<Download> {
 
  private:
   [[nodiscard]] std::string owner() const { return "http " + account_->owner(); }
-  [[nodiscard]] std::uint64_t bound() const { return core_->options().limits.blockBytes; }
+  [[nodiscard]] std::uint64_t bound() const { return core_->limits().blockBytes; }
 
   void inTurn(SimulationRunner& runner) {
     if (path_.kind != DownloadPath::Kind::Export) {
@@ -319,7 +319,7 @@ class Download final : public std::enable_shared_from_this<Download> {
         {.run = [self = shared_from_this(), view = runner.hosted().simulation().takeView()] { self->draw(view); },
          .lane = Lane::Frame,
          .owner = owner(),
-         .limit = std::chrono::seconds(core_->options().limits.callSeconds),
+         .limit = std::chrono::seconds(core_->limits().callSeconds),
          .onLimit = [self = shared_from_this()] { self->stopAtLimit(); }});
   }
 

@@ -76,8 +76,8 @@ class Network::Implementation {
     if (handleSignals) {
       signals_.add(SIGINT);
       signals_.add(SIGTERM);
-      // tokens from files and a certificate are read again; else a terminal that closes ends the server in order,
-      // unless nohup wants it to go on
+      // tokens and limits from files and a certificate are read again; else a terminal that closes ends the server in
+      // order, unless nohup wants it to go on
       struct sigaction hangUp {};
       if (readsAgain() || (::sigaction(SIGHUP, nullptr, &hangUp) == 0 && hangUp.sa_handler != SIG_IGN)) {
         signals_.add(SIGHUP);
@@ -153,7 +153,7 @@ class Network::Implementation {
  private:
   /// Never more connections than there are descriptors for.
   void setBounds() {
-    const ServerLimits& limits = core_->options().limits;
+    const ServerLimits& limits = core_->limits();
     const std::size_t descriptors = raiseDescriptorBound(AdmissionBounds::neededDescriptors(limits));
     admission_.setBounds(AdmissionBounds::of(limits, descriptors));
     if (const std::size_t sessions = admission_.bounds().sessions; sessions < limits.sessions) {
@@ -194,7 +194,9 @@ class Network::Implementation {
   }
 
   /// Whether SIGHUP means that files have changed, and not that a terminal was closed.
-  [[nodiscard]] bool readsAgain() const { return isEncrypted_ || core_->options().readTokens; }
+  [[nodiscard]] bool readsAgain() const {
+    return isEncrypted_ || core_->options().readTokens || core_->options().readLimits;
+  }
 
   /// Connections that come later have the new certificate. A mistake changes nothing.
   void readCertificateAgain() {
@@ -227,6 +229,9 @@ class Network::Implementation {
       if (number == SIGHUP && readsAgain()) {
         if (core_->options().readTokens) {
           core_->readTokensAgain();
+        }
+        if (core_->options().readLimits) {
+          core_->readLimitsAgain([this] { asio::post(context_, [this] { setBounds(); }); });
         }
         if (isEncrypted_) {
           readCertificateAgain();
@@ -283,7 +288,7 @@ class Network::Implementation {
   }
 
   [[nodiscard]] std::chrono::steady_clock::time_point helloDeadline() const {
-    return std::chrono::steady_clock::now() + std::chrono::milliseconds(core_->options().limits.handshakeMilliseconds);
+    return std::chrono::steady_clock::now() + std::chrono::milliseconds(core_->limits().handshakeMilliseconds);
   }
 
   void admitUnix(UnixSocket socket) {

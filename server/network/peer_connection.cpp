@@ -130,7 +130,7 @@ void PeerConnection::start(std::shared_ptr<Session> session) {
 }
 
 void PeerConnection::beat() {
-  const std::uint32_t milliseconds = core_->options().limits.heartbeatMilliseconds;
+  const std::uint32_t milliseconds = core_->limits().heartbeatMilliseconds;
   if (milliseconds == 0) {
     return;
   }
@@ -193,7 +193,7 @@ void PeerConnection::closeNow() {
 }
 
 protocol::FrameLimits PeerConnection::frameLimits() const {
-  const ServerLimits& limits = core_->options().limits;
+  const ServerLimits& limits = core_->limits();
   const std::uint64_t lineBytes = isGreeted() ? limits.lineBytes : std::min(limits.lineBytes, limits.helloBytes);
   return {static_cast<std::size_t>(lineBytes), static_cast<std::size_t>(limits.blockBytes)};
 }
@@ -252,7 +252,7 @@ std::shared_ptr<PeerConnection::BigMessage> PeerConnection::postToWorker(Decode 
       BigMessage{shared_from_this(), session_, std::move(decode), asio::steady_timer(executor_)});
   message->done.expires_at(std::chrono::steady_clock::time_point::max());
   decoding_ = message->interruption;
-  const std::uint32_t callSeconds = core_->options().limits.callSeconds;
+  const std::uint32_t callSeconds = core_->limits().callSeconds;
   auto run = [message = message, callSeconds]() mutable {
     TurnMeter meter(message->session->account(), MemoryKind::Decoding, TurnMeter::WhenStopped::GetsNoMemory);
     std::optional<std::string> failure;
@@ -336,7 +336,7 @@ std::optional<protocol::Error> PeerConnection::countHeld(std::size_t bytes) {
 bool PeerConnection::hold(std::size_t bytes) {
   const std::uint64_t all = core_->decodingBytes += bytes - heldBytes_;
   heldBytes_ = bytes;
-  const std::uint64_t bound = core_->options().limits.decodingBytes;
+  const std::uint64_t bound = core_->limits().decodingBytes;
   std::optional<protocol::Error> problem = countHeld(bytes);
   if (!problem && bytes > kBigMessage && all > bound) {
     problem = protocol::limitError("decodingBytes", all, bound, "Try again later; the connection is closed.");
@@ -363,7 +363,7 @@ void PeerConnection::wakeWriter() {
     isWakeComing_ = false;
   }
   // one answer may be as large as the bound while another is being sent
-  const std::uint64_t bound = core_->options().limits.outboxBytes;
+  const std::uint64_t bound = core_->limits().outboxBytes;
   if (outboxBytes_ > 2 * bound && !isClosing_) {
     core_->log().warn(
         "session with " + peerName() +

@@ -15,7 +15,25 @@ std::uint64_t orNone(std::uint64_t bound) {
   return bound == 0 ? UINT64_MAX : bound;
 }
 
+Account::Bounds boundsOfOwner(const ServerLimits& limits) {
+  return {.memoryBytes = orNone(limits.accountMemoryBytes),
+          .simulations = orNone(limits.accountSimulations),
+          .streams = orNone(limits.accountStreams),
+          .cpuSeconds = orNone(limits.accountCpuSeconds)};
+}
+
+Account::Bounds boundsOfServer(const ServerLimits& limits) {
+  return {.memoryBytes = limits.memoryBytes == 0 ? usableMemoryBytes() : limits.memoryBytes};
+}
+
 }  // namespace
+
+void Account::setBounds(const Bounds& bounds) {
+  boundBytes_ = bounds.memoryBytes;
+  boundSimulations_ = bounds.simulations;
+  boundStreams_ = bounds.streams;
+  boundCpuSeconds_ = bounds.cpuSeconds;
+}
 
 bool Account::take(MemoryKind kind, std::uint64_t bytes) {
   if (isFull(memoryBytes_ += bytes)) {
@@ -45,19 +63,20 @@ std::uint64_t Account::bytes(MemoryKind kind) const {
 protocol::Error Account::memoryError() const {
   // the bound that is nearer
   const auto left = [](const Account& account) {
-    return account.bounds_.memoryBytes - std::min<std::uint64_t>(account.memoryBytes_, account.bounds_.memoryBytes);
+    const std::uint64_t bound = account.boundBytes_;
+    return bound - std::min<std::uint64_t>(account.memoryBytes_, bound);
   };
   const bool isOfOwner = parent_ != nullptr && left(*this) <= left(*parent_);
   const Account& full = isOfOwner || parent_ == nullptr ? *this : *parent_;
   protocol::JsonWriter data;
   const std::string name = isOfOwner ? "accountMemoryBytes" : "memoryBytes";
   data.beginObject().key("limit").text(name).key("value").integer(std::uint64_t{full.memoryBytes_});
-  data.key("bound").integer(full.bounds_.memoryBytes).endObject();
+  data.key("bound").integer(full.boundBytes_.load()).endObject();
   return {
       protocol::ErrorCode::Limit,
       (isOfOwner ? "the account '" + owner_ + "'" : "all simulations, streams and messages of this server together") +
           (isOfOwner ? " has " : " have ") + std::to_string(full.memoryBytes_.load()) + " of " +
-          std::to_string(full.bounds_.memoryBytes) + " bytes (limit " + name +
+          std::to_string(full.boundBytes_.load()) + " bytes (limit " + name +
           "), and this needs more. Delete simulations, close streams, or start the server with a higher --limit " +
           name + "=N.",
       data.take()};
@@ -94,21 +113,27 @@ bool Account::beginDownload(std::uint64_t most) {
 
 std::optional<protocol::Error> Account::cpuProblem() const {
   const double spent = cpuSeconds();
-  if (spent <= static_cast<double>(bounds_.cpuSeconds)) {
+  const std::uint64_t bound = boundCpuSeconds_;
+  if (spent <= static_cast<double>(bound)) {
     return std::nullopt;
   }
-  return protocol::limitError("accountCpuSeconds", static_cast<std::uint64_t>(std::ceil(spent)), bounds_.cpuSeconds,
+  return protocol::limitError("accountCpuSeconds", static_cast<std::uint64_t>(std::ceil(spent)), bound,
                               "The account '" + owner_ +
                                   "' computes no more until the server is started again with a "
                                   "higher --limit accountCpuSeconds=N.");
 }
 
 Accounts::Accounts(const ServerLimits& limits)
-    : ownerBounds_{.memoryBytes = orNone(limits.accountMemoryBytes),
-                   .simulations = orNone(limits.accountSimulations),
-                   .streams = orNone(limits.accountStreams),
-                   .cpuSeconds = orNone(limits.accountCpuSeconds)},
-      server_("", {.memoryBytes = limits.memoryBytes == 0 ? usableMemoryBytes() : limits.memoryBytes}, nullptr) {}
+    : server_("", boundsOfServer(limits), nullptr), ownerBounds_(boundsOfOwner(limits)) {}
+
+void Accounts::setLimits(const ServerLimits& limits) {
+  server_.setBounds(boundsOfServer(limits));
+  const std::lock_guard lock(mutex_);
+  ownerBounds_ = boundsOfOwner(limits);
+  for (const auto& [owner, account] : owners_) {
+    account->setBounds(ownerBounds_);
+  }
+}
 
 Account& Accounts::of(const std::string& token) {
   const std::string owner = token.empty() ? "local" : token;

@@ -36,13 +36,16 @@ class Account {
     std::uint64_t cpuSeconds = UINT64_MAX;
   };
 
-  Account(std::string owner, const Bounds& bounds, Account* parent)
-      : owner_(std::move(owner)), bounds_(bounds), parent_(parent) {}
+  Account(std::string owner, const Bounds& bounds, Account* parent) : owner_(std::move(owner)), parent_(parent) {
+    setBounds(bounds);
+  }
   Account(const Account&) = delete;
   Account& operator=(const Account&) = delete;
 
   [[nodiscard]] const std::string& owner() const { return owner_; }
-  [[nodiscard]] const Bounds& bounds() const { return bounds_; }
+  [[nodiscard]] Bounds bounds() const { return {boundBytes_, boundSimulations_, boundStreams_, boundCpuSeconds_}; }
+  /// Others from now on. What the owner has beyond them stays.
+  void setBounds(const Bounds& bounds);
 
   /// Takes memory when the owner and the server may have it. False: nothing was taken.
   [[nodiscard]] bool take(MemoryKind kind, std::uint64_t bytes);
@@ -66,11 +69,15 @@ class Account {
   [[nodiscard]] std::optional<protocol::Error> cpuProblem() const;
 
  private:
-  [[nodiscard]] bool isFull(std::uint64_t bytes) const { return bytes > bounds_.memoryBytes; }
+  [[nodiscard]] bool isFull(std::uint64_t bytes) const { return bytes > boundBytes_; }
 
   const std::string owner_;
-  const Bounds bounds_;
   Account* const parent_;  // null: this is the server's
+  // Bounds
+  std::atomic<std::uint64_t> boundBytes_{UINT64_MAX};
+  std::atomic<std::uint64_t> boundSimulations_{UINT64_MAX};
+  std::atomic<std::uint64_t> boundStreams_{UINT64_MAX};
+  std::atomic<std::uint64_t> boundCpuSeconds_{UINT64_MAX};
   std::atomic<std::uint64_t> memoryBytes_{0};
   std::array<std::atomic<std::int64_t>, kMemoryKindCount> bytes_{};
   std::atomic<std::uint64_t> simulations_{0};
@@ -84,6 +91,8 @@ class Accounts {
  public:
   explicit Accounts(const ServerLimits& limits);
 
+  /// Other bounds from now on.
+  void setLimits(const ServerLimits& limits);
   [[nodiscard]] Account& server() { return server_; }
   [[nodiscard]] const Account& server() const { return server_; }
   /// The account of the token with that name. Empty: the account `local` of all peers of a server without tokens.
@@ -91,9 +100,9 @@ class Accounts {
   [[nodiscard]] std::vector<const Account*> all() const;
 
  private:
-  const Account::Bounds ownerBounds_;
   Account server_;
   mutable std::mutex mutex_;
+  Account::Bounds ownerBounds_;
   std::map<std::string, std::unique_ptr<Account>> owners_;
 };
 

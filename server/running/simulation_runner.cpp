@@ -16,8 +16,6 @@ SimulationRunner::SimulationRunner(std::unique_ptr<HostedSimulation> hosted, Run
     : id_(hosted->record().id),
       services_(std::move(services)),
       hosted_(std::move(hosted)),
-      callSeconds_(services_.limits->callSeconds),
-      streamBytesBound_(services_.limits->streamBytes),
       strings_(*services_.account, MemoryKind::Strings),
       environments_(*services_.account, MemoryKind::Environments),
       models_(*services_.account, MemoryKind::Compiling) {
@@ -159,7 +157,7 @@ void SimulationRunner::schedule(bool isAtEndOfTurn) {
   WorkerPool::Task task{.run = [self] { self->takeTurn(); },
                         .lane = next.lane,
                         .owner = next.owner,
-                        .limit = std::chrono::seconds(callSeconds_),
+                        .limit = std::chrono::seconds(callSeconds()),
                         .onLimit = [self, turn = turnCount_ + 1] { self->giveUpTurn(turn); }};
   if (isAtEndOfTurn) {
     services_.pool->postAtEnd(std::move(task));
@@ -309,7 +307,7 @@ void SimulationRunner::runGuarded(Command& command, bool& wantsMore) {
     const std::uint64_t step = information().step;
     const std::string stays = "The simulation stays at step " + std::to_string(step) + ".";
     failure = command.isOverLimit
-                  ? callSecondsError(callSeconds_, stays, step)
+                  ? callSecondsError(callSeconds(), stays, step)
                   : protocol::Error{protocol::ErrorCode::Cancelled, "Cancelled; the simulation is as it was.", {}};
   } catch (const std::exception& exception) {
     bug = exception.what();
@@ -375,11 +373,8 @@ std::size_t SimulationRunner::pauseWaiting() {
 Viewers& SimulationRunner::viewers() {
   const std::lock_guard lock(mutex_);
   if (viewers_ == nullptr) {
-    Viewers::Options options{.simulation = id_,
-                             .account = services_.account,
-                             .callSeconds = callSeconds_,
-                             .streamBytes = streamBytesBound_,
-                             .askLatest = {}};
+    Viewers::Options options{
+        .simulation = id_, .account = services_.account, .limits = services_.limits, .askLatest = {}};
     options.askLatest = [weak = weak_from_this()] {
       if (const auto self = weak.lock()) {
         self->catchUp();

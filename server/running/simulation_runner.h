@@ -13,13 +13,13 @@
 #include "protocol/messages.h"
 #include "server/running/account.h"
 #include "server/running/hosted_simulation.h"
+#include "server/running/live_limits.h"
 #include "server/running/worker_pool.h"
 #include "server/stream/viewers.h"
 
 namespace espalier::server {
 
 class Log;
-struct ServerLimits;
 class SimulationRunner;
 class TurnMeter;
 
@@ -42,7 +42,7 @@ struct Command {
 struct RunnerServices {
   WorkerPool* pool = nullptr;
   const Log* log = nullptr;
-  const ServerLimits* limits = nullptr;
+  const LiveLimits* limits = nullptr;
   Account* account = nullptr;  // that the simulation counts for
   /// Reads a passive simulation from the data folder again.
   std::function<protocol::Expected<std::unique_ptr<HostedSimulation>>(const std::string& id)> load;
@@ -106,7 +106,7 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   [[nodiscard]] bool isOnDiskOnly() const { return hosted_ == nullptr; }
   /// Another simulation takes the place of this one. The streams go on with it.
   void replace(std::unique_ptr<HostedSimulation> other);
-  [[nodiscard]] std::uint32_t callSeconds() const { return callSeconds_; }
+  [[nodiscard]] std::uint32_t callSeconds() const { return services_.limits->get().callSeconds; }
   /// After a failure in this turn: the error of the account when the turn was refused memory, else `error`.
   [[nodiscard]] protocol::Error reasonOf(protocol::Error error) const;
   /// After a failure in this turn: true when it was refused memory, and there is room now. It can be tried again.
@@ -142,11 +142,9 @@ class SimulationRunner final : public std::enable_shared_from_this<SimulationRun
   const std::string id_;
   const RunnerServices services_;
   std::unique_ptr<HostedSimulation> hosted_;  // null: passive. Changes with mutex_ held
-  const std::uint32_t callSeconds_;
-  const std::uint64_t streamBytesBound_;
-  double milliseconds_ = 0.0;  // of the last step; for the worker that owns the simulation
-  std::string lastError_;      // the same
-  Holding strings_;            // the same, as the next one
+  double milliseconds_ = 0.0;                 // of the last step; for the worker that owns the simulation
+  std::string lastError_;                     // the same
+  Holding strings_;                           // the same, as the next one
   Holding environments_;
   Holding models_;
   std::atomic<bool> isPassive_{false};

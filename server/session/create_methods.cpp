@@ -51,7 +51,7 @@ protocol::Expected<CompiledModels> compileModels(ServerCore& core, const protoco
   CompiledModels result;
   std::vector<files::Palette> palettes;
   for (const protocol::ModelParams& model : models) {
-    auto compiled = core.models().compile(model, core.options().limits.simulation);
+    auto compiled = core.models().compile(model, core.limits().simulation);
     if (!compiled) {
       return tl::unexpected(std::move(compiled.error()));
     }
@@ -103,8 +103,8 @@ protocol::Expected<std::string> forkSimulation(ServerCore& core, HostedSimulatio
   }
   protocol::Expected<std::unique_ptr<HostedSimulation>> made;
   try {
-    made = HostedSimulation::fork(std::move(record), original, core.options().limits.simulation,
-                                  core.environmentServices(), core.store());
+    made = HostedSimulation::fork(std::move(record), original, core.limits().simulation, core.environmentServices(),
+                                  core.store());
   } catch (...) {
     core.remove(name);
     throw;
@@ -225,9 +225,8 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   SimulationRecord record = recordOf(std::move(params), models, name, session.account().owner());
   protocol::Expected<std::unique_ptr<HostedSimulation>> made;
   try {
-    made =
-        HostedSimulation::create(std::move(record), models.programs, models.palette, core.options().limits.simulation,
-                                 core.environmentServices(), core.store(), interruption);
+    made = HostedSimulation::create(std::move(record), models.programs, models.palette, core.limits().simulation,
+                                    core.environmentServices(), core.store(), interruption);
   } catch (...) {
     core.remove(name);
     throw;
@@ -242,7 +241,7 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
         session.respondError(id, {ErrorCode::Cancelled, "Cancelled; nothing was created.", {}});
         break;
       case Interruption::Reason::CallSeconds:
-        session.respondError(id, callSecondsError(core.options().limits.callSeconds, "Nothing was created.", {}));
+        session.respondError(id, callSecondsError(core.limits().callSeconds, "Nothing was created.", {}));
         break;
     }
     return;
@@ -272,7 +271,7 @@ protocol::Expected<std::string> replaceSimulation(ServerCore& core, SimulationRu
   Interruption ofTurn;  // the runner gives the turn up
   auto made = HostedSimulation::create(
       recordOf(std::move(params), *compiled, runner.id(), runner.hosted().record().owner), compiled->programs,
-      compiled->palette, core.options().limits.simulation, core.environmentServices(), core.store(), ofTurn);
+      compiled->palette, core.limits().simulation, core.environmentServices(), core.store(), ofTurn);
   if (!made) {
     return tl::unexpected(std::move(made.error()));
   }

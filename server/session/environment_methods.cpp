@@ -42,7 +42,7 @@ void environmentList(const Request& request, protocol::NoParams) {
 void environmentOffer(const Request& request, protocol::OfferParams params) {
   Session& session = request.session;
   OfferedEnvironments& offered = session.core().offered();
-  if (const std::uint64_t bound = session.core().options().limits.offersPerSession; offered.count(&session) >= bound) {
+  if (const std::uint64_t bound = session.core().limits().offersPerSession; offered.count(&session) >= bound) {
     session.respondError(request.id, protocol::limitError("offersPerSession", bound + 1, bound,
                                                           "Offer fewer environments, or use another connection."));
     return;

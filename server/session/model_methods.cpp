@@ -35,7 +35,7 @@ void compileModel(const Request& request, const protocol::ModelParams& params, b
   PartMeter memory;
   const auto compileMetered = [&] {
     const core::WorkMeter::Scope scope(&memory);
-    return models.compile(params, session.core().options().limits.simulation);
+    return models.compile(params, session.core().limits().simulation);
   };
   auto compiled = compileMetered();
   if (!compiled) {
@@ -164,7 +164,7 @@ void modelRead(const Request& request, protocol::ReadModelParams params) {
     protocol::ModelParams model;
     model.model.gallery = params.gallery;
     // the compiler finds out which files it reads
-    const auto compiled = self.session.core().models().compile(model, self.session.core().options().limits.simulation);
+    const auto compiled = self.session.core().models().compile(model, self.session.core().limits().simulation);
     if (!compiled) {
       self.session.respondError(self.id, compiled.error());
       return;

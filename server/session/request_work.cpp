@@ -47,7 +47,7 @@ void runMetered(Session& session, const protocol::MessageId& id, const std::func
   } catch (const std::bad_alloc&) {
     failure = {ErrorCode::Limit, "The server has not enough memory for this. Use a smaller model.", {}};
   } catch (const core::WorkStopped&) {
-    const std::uint32_t bound = session.core().options().limits.callSeconds;
+    const std::uint32_t bound = session.core().limits().callSeconds;
     failure = interruption.reason() == Interruption::Reason::CallSeconds
                   ? callSecondsError(bound, "Nothing was made.", {})
                   : protocol::Error{ErrorCode::Cancelled, "Cancelled; nothing was made.", {}};
@@ -76,7 +76,7 @@ void runOnWorker(const Request& request, std::function<void(const Request&)> wor
   session.onCancel(request.id, [interruption] { interruption->interrupt(Interruption::Reason::Cancelled); });
   WorkerPool::Task task;
   task.owner = session.id();
-  task.limit = std::chrono::seconds(session.core().options().limits.callSeconds);
+  task.limit = std::chrono::seconds(session.core().limits().callSeconds);
   task.onLimit = [interruption] { interruption->interrupt(Interruption::Reason::CallSeconds); };
   task.run = [weak = session.weak_from_this(), id = request.id, work = std::move(work), interruption] {
     if (const auto self = weak.lock()) {

@@ -53,7 +53,7 @@ void Session::respond(const protocol::MessageId& id, std::string_view resultJson
     const std::lock_guard lock(mutex_);
     inProgress_.erase(protocol::toText(id));
   }
-  const std::uint64_t bound = core_->options().limits.outboxBytes;
+  const std::uint64_t bound = core_->limits().outboxBytes;
   if (resultJson.size() > bound) {
     send(protocol::encodeError(id, protocol::limitError("outboxBytes", resultJson.size(), bound,
                                                         "Ask for less at a time, or start the server with a higher "
@@ -169,7 +169,7 @@ void Session::onMessage(const protocol::Message& message, std::size_t bytes) {
       refusal = std::move(memory.error());
     } else {
       const std::lock_guard lock(mutex_);
-      const std::uint64_t bound = core_->options().limits.requestsPerSession;
+      const std::uint64_t bound = core_->limits().requestsPerSession;
       if (inProgress_.size() >= bound) {
         refusal = protocol::limitError("requestsPerSession", inProgress_.size() + 1, bound,
                                        "Wait for answers before asking more.");
@@ -255,7 +255,6 @@ void Session::onHello(const protocol::Message& message) {
             "No common protocol version: this server speaks 1. Use a client that speaks espalier/1.", data.take()});
     return;
   }
-  const ServerOptions& options = core_->options();
   auto grant = core_->access().grant(hello.token, hello.roles);
   if (!grant) {
     refuse(message.id, {protocol::ErrorCode::Unauthorised, std::move(grant.error()), {}});
@@ -280,7 +279,7 @@ void Session::onHello(const protocol::Message& message) {
                     {.session = id_, .token = tokenName()});
   std::vector<std::pair<std::string, std::uint64_t>> limits;
   for (const LimitEntry& entry : limitEntries()) {
-    limits.emplace_back(entry.name, entry.get(options.limits));
+    limits.emplace_back(entry.name, entry.get(core_->limits()));
   }
   const protocol::HelloResult result{.protocol = protocol::kProtocolVersion,
                                      .session = id_,
@@ -298,7 +297,7 @@ void Session::onLost(const protocol::Error& error) {
 
 void Session::onHandshakeTimeout() {
   if (!isGreeted_) {
-    const std::uint32_t bound = core_->options().limits.handshakeMilliseconds;
+    const std::uint32_t bound = core_->limits().handshakeMilliseconds;
     protocol::JsonWriter data;
     data.beginObject().key("milliseconds").integer(bound).endObject();
     refuse({},
@@ -408,7 +407,7 @@ PeerTerms Session::terms() const {
 
 std::string Session::ask(std::string_view method, const protocol::Body& params, std::shared_ptr<PendingCall> call) {
   const std::uint64_t bytes = params.json.size() + params.blocks.totalBytes();
-  if (const std::uint64_t bound = core_->options().limits.outboxBytes; bytes > bound) {
+  if (const std::uint64_t bound = core_->limits().outboxBytes; bytes > bound) {
     call->fail({LinkFailure::Kind::Refused,
                 "was not asked: " + std::to_string(bytes) +
                     " bytes are more than a session may have on their way (outboxBytes=" + std::to_string(bound) +
@@ -485,7 +484,7 @@ void Session::cancelRequest(const protocol::MessageId& id) {
 
 protocol::Expected<std::shared_ptr<Stream>> Session::openStream(protocol::StreamOpenParams params,
                                                                 SimulationRunner& runner) {
-  const ServerLimits& limits = core_->options().limits;
+  const ServerLimits& limits = core_->limits();
   Account& owner = account();
   const std::lock_guard lock(mutex_);
   // streams that ended by themselves do not count

@@ -216,10 +216,11 @@ protocol::Expected<std::string> SavedModels::save(const protocol::SaveModelParam
                             " bytes in all, and may have " + std::to_string(kMostFiles) + " and " +
                             std::to_string(kMostModelBytes) + ". Remove some with this save."));
   }
-  const std::uint64_t used = mostBytes_ > 0 ? bytes() : 0;
-  if (mostBytes_ > 0 && used + added > mostBytes_) {
+  const std::uint64_t bound = mostBytes_;
+  const std::uint64_t used = bound > 0 ? bytes() : 0;
+  if (bound > 0 && used + added > bound) {
     return tl::unexpected(
-        protocol::limitError("savedModelBytes", used + added, mostBytes_, "Remove old models from the server's disk."));
+        protocol::limitError("savedModelBytes", used + added, bound, "Remove old models from the server's disk."));
   }
   if (!isThere && !fs::create_directory(folder, error)) {
     return tl::unexpected(storageError("The folder of the model cannot be made: " + error.message() + "."));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <mutex>
@@ -25,6 +26,8 @@ class SavedModels {
   /// `folder` is empty when the server keeps no models. `mostBytes` bounds all of them together; 0: no bound.
   SavedModels(std::string folder, std::uint64_t mostBytes) : folder_(std::move(folder)), mostBytes_(mostBytes) {}
 
+  /// Another bound from now on. Models that are there stay.
+  void setMostBytes(std::uint64_t mostBytes) { mostBytes_ = mostBytes; }
   [[nodiscard]] bool isOn() const { return !folder_.empty(); }
   /// Names of the models, sorted.
   [[nodiscard]] std::vector<std::string> names() const;
@@ -41,7 +44,7 @@ class SavedModels {
   [[nodiscard]] bool hasModel(const std::string& name) const;
 
   std::string folder_;
-  std::uint64_t mostBytes_;
+  std::atomic<std::uint64_t> mostBytes_;
   mutable std::mutex mutex_;  // one save at a time, and no reading of half of it
 };
 

@@ -45,6 +45,8 @@ class Store::Implementation {
   Implementation& operator=(const Implementation&) = delete;
 
   std::optional<std::string> open(std::uint64_t maximumBytes);
+  /// With the mutex held, or while nobody else knows the database.
+  void boundPages(std::uint64_t maximumBytes);
 
   /// Writes the parts of a state. In the transaction of the last part, `link` makes it the state of a simulation or
   /// checkpoint, and returns the number of the state that it replaces, or 0.
@@ -141,10 +143,7 @@ std::optional<std::string> Store::Implementation::open(std::uint64_t maximumByte
     Database::Statement statement(database_, "SELECT max(id) / 1048576 FROM parts");
     lastState_ = statement.next() ? statement.integer(0) : 0;
   }
-  if (maximumBytes > 0) {
-    constexpr std::uint64_t kPageBytes = 4096;
-    database_.execute(("PRAGMA max_page_count = " + std::to_string(maximumBytes / kPageBytes + 1)).c_str());
-  }
+  boundPages(maximumBytes);
   if (database_.problem()) {
     if (database_.isFileDamaged()) {
       return "the database '" + file + "' is damaged, or it is no database: " + *database_.problem() +
@@ -153,6 +152,13 @@ std::optional<std::string> Store::Implementation::open(std::uint64_t maximumByte
     return failure(*database_.problem() + " (" + kStoreFile + ")");
   }
   return openLog();
+}
+
+void Store::Implementation::boundPages(std::uint64_t maximumBytes) {
+  constexpr std::uint64_t kPageBytes = 4096;
+  constexpr std::uint64_t kMostPages = 4'294'967'294;  // of a database
+  const std::uint64_t pages = maximumBytes == 0 ? kMostPages : std::min(maximumBytes / kPageBytes + 1, kMostPages);
+  database_.execute(("PRAGMA max_page_count = " + std::to_string(pages)).c_str());
 }
 
 std::optional<std::string> Store::Implementation::openLog() {
@@ -330,6 +336,11 @@ Store::Entry entryOf(const Database::Statement& row) {
 }
 
 }  // namespace
+
+std::optional<std::string> Store::setMaximumBytes(std::uint64_t maximumBytes) {
+  return implementation_ == nullptr ? std::nullopt
+                                    : implementation_->look([&] { implementation_->boundPages(maximumBytes); });
+}
 
 tl::expected<std::vector<Store::Entry>, std::string> Store::simulations() const {
   std::vector<Entry> entries;

@@ -35,6 +35,8 @@ class Store {
   /// Makes the folder and the database, and takes the lock of the folder for the life of this object. Two servers on
   /// one folder would overwrite each other's simulations.
   [[nodiscard]] std::optional<std::string> open();
+  /// Another bound from now on. The database keeps what it has. An error sentence, or nothing.
+  [[nodiscard]] std::optional<std::string> setMaximumBytes(std::uint64_t maximumBytes);
 
   /// A simulation without its state.
   struct Entry {

@@ -72,7 +72,7 @@ void Viewers::schedule() {
     pool_->post({.run = [self] { self->work(); },
                  .lane = Lane::Frame,
                  .owner = options_.simulation,
-                 .limit = std::chrono::seconds(options_.callSeconds),
+                 .limit = std::chrono::seconds(options_.limits->get().callSeconds),
                  .onLimit = [self] { self->giveUp(); }});
   }
 }
@@ -184,7 +184,7 @@ void Viewers::showTo(Stream& stream, FrameMaker& maker, TurnMeter& meter) {
   if (!frame) {
     stream.end(meter.isRefused()   ? memoryProblem(meter)
                : meter.isStopped() ? "The frames of this state compute longer than the limit callSeconds (" +
-                                         std::to_string(options_.callSeconds) +
+                                         std::to_string(options_.limits->get().callSeconds) +
                                          ") allows. Select fewer symbols, or draw less in homomorphism productions."
                                    : frame.error().message);
   } else {
@@ -200,7 +200,7 @@ void Viewers::boundBases(const std::vector<Viewer>& viewers) {
     if (base.isEmpty() || std::find(bases.begin(), bases.end(), base) != bases.end()) {
       continue;
     }
-    if (bytes + base.bytes() > options_.streamBytes) {
+    if (bytes + base.bytes() > options_.limits->get().streamBytes) {
       viewer.stream->forgetBase();
       continue;
     }

@@ -12,6 +12,7 @@
 
 #include "engine/simulation/view_drawing.h"
 #include "server/running/account.h"
+#include "server/running/live_limits.h"
 #include "server/running/worker_pool.h"
 #include "server/stream/query_recorder.h"
 #include "server/stream/stream.h"
@@ -40,11 +41,10 @@ struct ShownState {
 class Viewers final : public std::enable_shared_from_this<Viewers> {
  public:
   struct Options {
-    std::string simulation;           // the name
-    Account* account = nullptr;       // that has the memory
-    std::uint32_t callSeconds = 0;    // limit: computing time for the frames of one state; 0: no bound
-    std::uint64_t streamBytes = 0;    // limit: bytes kept to tell differences
-    std::function<void()> askLatest;  // calls for the latest state, with isDue false; from any thread
+    std::string simulation;              // the name
+    Account* account = nullptr;          // that has the memory
+    const LiveLimits* limits = nullptr;  // callSeconds, for the frames of one state; streamBytes
+    std::function<void()> askLatest;     // calls for the latest state, with isDue false; from any thread
   };
   Viewers(Options options, WorkerPool& pool, const Log& log);
 

@@ -200,6 +200,57 @@ class Roles(unittest.TestCase):
             pass
         self.assertIn("result", alice.ask("server.status", {}))
 
+    def test_a_hang_up_signal_reads_the_limits_again(self) -> None:
+        file, log = self.folder / "serve.toml", self.folder / "log"
+
+        def write(limits: Dict[str, int], workers: int = 1) -> None:
+            lines = [f"{name} = {value}" for name, value in limits.items()]
+            file.write_text("\n".join([f'workers = "{workers}"', "[limits]", *lines, ""]), encoding="utf-8")
+
+        def hang_up(said: str) -> None:
+            begin = log.stat().st_size
+            server.process.send_signal(signal.SIGHUP)
+            while said not in log.read_text(encoding="utf-8")[begin:]:
+                self.assertIsNone(server.process.poll())
+
+        write({"simulations": 1, "arity": 7, "storeBytes": 40_960})
+        with log.open("wb") as errors:
+            server = package_server(str(file), errors, "--data", str(self.folder / "data"), "--limit", "openFiles=9")
+            self.addCleanup(server.stop)
+        client = server.connect(timeout=SECONDS)
+        self.addCleanup(client.close)
+        first = client.create(SOURCE, environment=[{"type": "height"}])
+        with self.assertRaisesRegex(ServerError, "limit simulations"):
+            client.create(SOURCE, environment=[{"type": "height"}])
+        # a bound of the server at once, one of simulations for later ones; the command line wins
+        write({"simulations": 3, "modules": 5, "openFiles": 4, "accountStreams": 1, "memoryBytes": 123_456_789})
+        hang_up("for simulations that are made or loaded from now on: modules 200000000 -> 5, arity 7 -> 1000")
+        said = log.read_text(encoding="utf-8")
+        for change in ("simulations 1 -> 3", "accountStreams 0 -> 1", "memoryBytes 0 -> 123456789", "storeBytes 40960 -> 0"):
+            self.assertIn(change, said)
+        self.assertNotIn("openFiles 9", said)
+        self.assertNotIn("only when the server starts", said)
+        first.step(8)
+        second = client.create(SOURCE, environment=[{"type": "height"}])
+        with self.assertRaisesRegex(ServerError, "limit modules"):
+            second.step(8)
+        self.assertEqual(client.call("server.status")["memory"]["boundBytes"], 123_456_789)
+        client.call("stream.open", {"simulation": first.identifier, "what": "string"})
+        with self.assertRaisesRegex(ServerError, "limit accountStreams"):
+            client.call("stream.open", {"simulation": first.identifier, "what": "string"})
+        # the limits that a peer is told are the present ones
+        raw = Raw(server.address, hello())
+        self.addCleanup(raw.close)
+        self.assertEqual({name: raw.hello["result"]["limits"][name] for name in ("simulations", "modules", "openFiles")},
+                         {"simulations": 3, "modules": 5, "openFiles": 9})
+        # a mistake changes nothing, and other settings are named
+        write({"simulations": 1, "modul": 5})
+        hang_up("the limits stay as they are: the configuration '")
+        client.create(SOURCE, environment=[{"type": "height"}])
+        write({"simulations": 3, "modules": 5, "openFiles": 4, "accountStreams": 1, "memoryBytes": 123_456_789}, workers=2)
+        hang_up("none has changed")
+        self.assertIn("read only when the server starts: workers", log.read_text(encoding="utf-8"))
+
     def test_downloads_need_a_viewer(self) -> None:
         self.new_token("alice", "controller")
         self.new_token("screen", "viewer")

@@ -73,7 +73,7 @@ TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {
     input.modelFile = "model.l";
     Interruption interruption;
     auto made = HostedSimulation::create(record, {language::compile(input, files).program}, {},
-                                         core.options().limits.simulation, core.environmentServices(), core.store(),
+                                         core.limits().simulation, core.environmentServices(), core.store(),
                                          interruption);
     core.add(record.id, std::move(made.value()));
     return core.find(record.id);

@@ -78,14 +78,21 @@ std::optional<std::string> addOwnToken(const ServeOptions& options, std::vector<
   return std::nullopt;
 }
 
+/// Why a file cannot be read again while the server runs, or nothing.
+std::optional<std::string> whyUnreadable(const std::string& file) {
+  std::error_code unknown;
+  // a pipe would keep its reader waiting for ever
+  return std::filesystem::is_regular_file(file, unknown)
+             ? std::nullopt
+             : std::optional("'" + file + "' is not there, or is no regular file");
+}
+
 /// The tokens of the files as they are now.
 tl::expected<std::vector<server::Token>, std::string> readTokens(const ServeOptions& options) {
   std::vector<server::Token> tokens;
   for (const std::string& file : {options.configuration, options.tokenFile}) {
-    std::error_code unknown;
-    // a pipe would keep its reader waiting for ever
-    if (!file.empty() && !std::filesystem::is_regular_file(file, unknown)) {
-      return tl::unexpected("'" + file + "' is not there, or is no regular file");
+    if (auto problem = file.empty() ? std::nullopt : whyUnreadable(file)) {
+      return tl::unexpected(std::move(*problem));
     }
   }
   auto problem = options.configuration.empty() ? std::nullopt : readConfiguredTokens(options.configuration, tokens);
@@ -94,6 +101,43 @@ tl::expected<std::vector<server::Token>, std::string> readTokens(const ServeOpti
     return tl::unexpected(std::move(*problem));
   }
   return tokens;
+}
+
+/// Sets the limits of --limit, which win over those of a configuration. An error sentence, or nothing.
+std::optional<std::string> applyLimits(const ServeOptions& options, server::ServerLimits& limits) {
+  for (const std::string& limit : options.limits) {
+    if (auto problem = server::setLimit(limits, limit)) {
+      return problem;
+    }
+  }
+  return std::nullopt;
+}
+
+/// The limits of the configuration as it is now, with those of the command line. `atStart` has the other items of the
+/// configuration when the server was started.
+tl::expected<server::ServerOptions::ReadLimits, std::string> readLimits(
+    const ServeOptions& options, const std::map<std::string, std::vector<std::string>>& atStart) {
+  server::ServerOptions::ReadLimits read;
+  auto problem = whyUnreadable(options.configuration);
+  problem = problem ? problem : readConfiguredLimits(options.configuration, read.limits);
+  problem = problem ? problem : applyLimits(options, read.limits);
+  if (problem) {
+    return tl::unexpected(std::move(*problem));
+  }
+  auto items = readStartItems(options.configuration);
+  for (const auto& [key, values] : atStart) {
+    const auto found = items.find(key);
+    if (found == items.end() || found->second != values) {
+      read.restartKeys.push_back(key);
+    }
+    if (found != items.end()) {
+      items.erase(found);
+    }
+  }
+  for (const auto& [key, values] : items) {
+    read.restartKeys.push_back(key);
+  }
+  return read;
 }
 
 // the system closes the input when the program at its other end ends, in whatever way
@@ -140,11 +184,9 @@ int runServe(CLI::App& command, ServeOptions& options) {
       return kUsage;
     }
   }
-  for (const std::string& limit : options.limits) {
-    if (const auto problem = server::setLimit(options.server.limits, limit)) {
-      printError(*problem);
-      return kUsage;
-    }
+  if (const auto problem = applyLimits(options, options.server.limits)) {
+    printError(*problem);
+    return kUsage;
   }
   options.server.durability = server::durabilityOf(options.durability).value_or(server::Durability::Process);
   if (options.isConfigurationPrinted) {
@@ -161,6 +203,11 @@ int runServe(CLI::App& command, ServeOptions& options) {
   }
   if (!options.configuration.empty() || !options.tokenFile.empty()) {
     options.server.readTokens = [&options] { return readTokens(options); };
+  }
+  if (!options.configuration.empty()) {
+    options.server.readLimits = [&options, atStart = readStartItems(options.configuration)] {
+      return readLimits(options, atStart);
+    };
   }
   // a file that reaches the size limit fails one saving and does not end the server
   (void)std::signal(SIGXFSZ, SIG_IGN);

@@ -30,7 +30,7 @@ class DownloadsInUse : public testing::Test {
     input.modelFile = "model.l";
     Interruption interruption;
     auto made = HostedSimulation::create(record, {language::compile(input, files).program}, {},
-                                         core_.options().limits.simulation, core_.environmentServices(), core_.store(),
+                                         core_.limits().simulation, core_.environmentServices(), core_.store(),
                                          interruption);
     core_.add(record.id, std::move(made.value()));
     name_ = record.id;

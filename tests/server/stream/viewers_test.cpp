@@ -49,7 +49,7 @@ class ViewersTest : public testing::Test {
     simulation::expectSuccess(simulation_.rewind());
     viewers_ = std::make_shared<Viewers>(Viewers::Options{.simulation = "s",
                                                           .account = &core_.accounts().server(),
-                                                          .streamBytes = 1'000'000'000,
+                                                          .limits = &limits_,
                                                           .askLatest = [this] { ++asked_; }},
                                          core_.pool(), core_.log());
   }
@@ -93,6 +93,7 @@ class ViewersTest : public testing::Test {
   std::vector<std::string> frames() { return connection_->frames(); }
 
   simulation::Simulation simulation_;
+  LiveLimits limits_{ServerLimits()};
   ServerCore core_{oneWorker()};
   std::shared_ptr<FrameConnection> connection_ = std::make_shared<FrameConnection>();
   std::shared_ptr<Session> session_ = std::make_shared<Session>("viewer", core_, connection_);
