@@ -75,24 +75,31 @@ std::optional<server::RemoteSettings> readSettings(const std::string& entryJson,
   return std::move(*read);
 }
 
-// a command or a plug-in: prints the reason when it may not be started
-bool mayStart(const std::string& what, const Making& making) {
+// prints the reason when a program, plug-in or address that `what` names may not be used
+bool isTrusted(const std::string& verb, const std::string& what, const Making& making) {
   if (making.remote.source == EnvironmentSource::Snapshot) {
-    printError("the snapshot asks to start '" + what +
+    printError("the snapshot asks to " + verb + " '" + what +
                "', and a snapshot may come from a stranger: give the environment with --environment if you trust it");
     return false;
   }
   if (making.remote.source == EnvironmentSource::Folder && !making.remote.allowsFolderPrograms) {
-    printError("the environment of the folder, forest or plan asks to start '" + what +
-               "', and it may come from a stranger: --allow-folder-programs starts it, for folders that you trust");
+    printError("the environment of the folder, forest or plan asks to " + verb + " '" + what +
+               "', and it may come from a stranger: --allow-folder-programs " + verb +
+               "s it, for folders that you trust");
     return false;
   }
   return true;
 }
 
+// a command or a plug-in
+bool mayStart(const std::string& what, const Making& making) {
+  return isTrusted("start", what, making);
+}
+
 Process connectRemote(const std::string& address, const std::string& entryJson, const std::string& what,
                       const Making& making) {
-  if (startsWith(address, "stdio:") && !mayStart(address, making)) {
+  // a stranger's file may ask for an address of the user's own network, also of this machine
+  if (startsWith(address, "stdio:") ? !mayStart(address, making) : !isTrusted("dial", address, making)) {
     return nullptr;
   }
   auto read = readSettings(entryJson, what, making);

@@ -15,7 +15,8 @@
 
 namespace espalier::command {
 
-/// Who names an environment. Others than the command line may be strangers, whose programs are not started.
+/// Who names an environment. Others than the command line may be strangers, whose programs are not started and whose
+/// addresses are not dialled.
 enum class EnvironmentSource : std::uint8_t { CommandLine, Folder, Snapshot };
 
 /// Settings of environments in other processes, and of reading files of environments. The entry of an environment may
@@ -23,7 +24,7 @@ enum class EnvironmentSource : std::uint8_t { CommandLine, Folder, Snapshot };
 struct RemoteOptions {
   std::string policy = "fail";        // fail, keep or fallback:NAME
   double timeoutSeconds = 0.0;        // of a step; 0: the default
-  bool allowsFolderPrograms = false;  // a file that nobody named may start the programs that it names
+  bool allowsFolderPrograms = false;  // a file that nobody named may start programs and dial addresses
   bool isStrict = false;              // a warning about a file is an error
   unsigned threads = 1;               // of a built-in process that has the key `threads`
   bool keepsState = false;            // a snapshot is wanted, also when the environment dies

@@ -344,7 +344,8 @@ void addReadingOptions(CLI::App& command, ModelOptions& options, bool isModelReq
   command.add_flag(
       "--allow-folder-programs", options.remote.allowsFolderPrograms,
       "The environment of a folder, forest or plan, and any environment file (.e), may start the programs\n"
-      "and plug-ins that it names: for folders that you trust. Without it only built-in environments answer");
+      "and plug-ins, and dial the addresses, that it names: for folders that you trust. Without it only built-in\n"
+      "environments answer");
   command.add_flag("--strict", options.remote.isStrict,
                    "A warning about a file of the model or the environment is an error");
   command.add_option("--limit", options.limits, limitHelp())

@@ -3,12 +3,14 @@
 import contextlib
 import json
 import shlex
+import socket
 import sys
 import tempfile
+import threading
 import unittest
 import unittest.mock
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, List
 
 from support import SECONDS, Process, Server, espalier, program
 
@@ -176,6 +178,14 @@ class Spawning(unittest.TestCase):
             self.assertFalse(self.marker.exists())
             espalier("run", "--resume", snapshot, "--environment", environment, "-o", str(self.folder / "b.snapshot"))
             self.marker.unlink()
+        # and it dials no address
+        served = Process([program(), "environment", "height", "--listen", "127.0.0.1:0"])
+        self.addCleanup(served.stop)
+        address = f"tcp://{served.address}"
+        espalier("run", str(model), "--environment", address, "--steps", "2", "-o", snapshot)
+        refused = espalier("run", "--resume", snapshot, "-o", str(self.folder / "a.string"), status=1)
+        self.assertIn(f"the snapshot asks to dial '{address}'", " ".join(refused.stderr.split()))
+        espalier("run", "--resume", snapshot, "--environment", address, "-o", str(self.folder / "b.snapshot"))
 
     def test_a_folder_a_forest_and_a_plan_start_nothing_unless_they_are_trusted(self) -> None:
         (self.folder / "m.l").write_text(SOURCE, encoding="utf-8")
@@ -199,6 +209,38 @@ class Spawning(unittest.TestCase):
             espalier("derive", str(self.folder / "m.l"), "--quiet", *trusted)
             self.assertTrue(self.marker.exists())
             self.marker.unlink()
+
+    def test_a_folder_and_a_forest_dial_nothing_unless_they_are_trusted(self) -> None:
+        (self.folder / "m.l").write_text(SOURCE, encoding="utf-8")
+        listener = socket.create_server(("127.0.0.1", 0))
+        self.addCleanup(listener.close)
+        listener.setblocking(False)
+        address = f"127.0.0.1:{listener.getsockname()[1]}"
+        forest = {"models": [{"name": "a", "file": "m.l"}], "plants": [{"position": [0, 0, 0]}]}
+        plan = {"model": "m.l", "measures": {"n": {"count": "*"}}}
+        own = {"type": "tcp", "address": address}
+        files = {"m.json": own, "held.json": {**forest, "environment": own}, "plan.json": {**plan, "environment": f"tcp://{address}"},
+                 "named.json": {**forest, "environment": f"tcp://{address}"}, "set.json": {**forest, "environment": [{"type": "height"}, own]},
+                 "socket.json": {**forest, "environment": {"type": "tcp", "address": f"unix:{self.folder}/s"}}}
+        for name, content in files.items():
+            (self.folder / name).write_text(json.dumps(content), encoding="utf-8")
+        string = str(self.folder / "out.svg")
+        for command in (("derive", "m.l"), ("run", "m.l", "-o", string), *(("run", name, "-o", string) for name in list(files)[1:] if name != "plan.json"),
+                        ("sweep", "plan.json", "-o", str(self.folder / "r.sqlite"))):
+            with contextlib.chdir(self.folder):
+                refused = " ".join(espalier(*command, "--quiet", status=1).stderr.split())
+            self.assertIn("--allow-folder-programs dials it, for folders that you trust", refused, command)
+            with self.assertRaises(BlockingIOError, msg=command):
+                listener.accept()
+        # with the permission, and with the user's own words, it is dialled
+        for trusted in (("--allow-folder-programs",), ("--environment", f"tcp://{address}")):
+            listener.setblocking(True)
+            accepted: List[Any] = []
+            thread = threading.Thread(target=lambda: accepted.append(listener.accept()[0].close()))
+            thread.start()
+            espalier("derive", str(self.folder / "m.l"), "--quiet", *trusted, status=1)
+            thread.join(SECONDS)
+            self.assertEqual(len(accepted), 1)
 
     def test_a_local_server_is_private_and_may_start_commands(self) -> None:
         with unittest.mock.patch.dict("os.environ", {"ESPALIER_PROGRAM": program()}), package.local() as client:

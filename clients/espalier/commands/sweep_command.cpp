@@ -537,9 +537,10 @@ void addSweep(CLI::App& program, int& status) {
   command->add_option("--job-option", options->jobOptions, "An option of sbatch, as --time=01:00:00. May be repeated")
       ->allow_extra_args(false);
   addWorldOptions(*command, options->world, options->stepDuration);
-  command->add_flag("--allow-folder-programs", options->allowsFolderPrograms,
-                    "The environment of the plan or of its model may start the programs and plug-ins that it names:\n"
-                    "for plans that you trust");
+  command->add_flag(
+      "--allow-folder-programs", options->allowsFolderPrograms,
+      "The environment of the plan or of its model may start the programs and plug-ins, and dial the addresses,\n"
+      "that it names: for plans that you trust");
   command->add_flag("--quiet", options->isQuiet, "Print only results, failures and errors");
   addExportCommand(*command, status);
   addMergeCommand(*command, status);
