@@ -99,6 +99,8 @@ std::string prometheusText(const Metrics& metrics, const Gauges& gauges) {
   append(text, "espalier_outbox_bytes", "gauge", "Waiting for peers to read them.", gauges.outboxBytes);
   append(text, "espalier_decoding_bytes", "gauge", "Received from peers, not decoded yet.", gauges.decodingBytes);
   append(text, "espalier_store_bytes", "gauge", "The data folder's database on disk.", gauges.storeBytes);
+  append(text, "espalier_trace_bytes", "gauge", "Traces in the data folder.", gauges.traceBytes);
+  append(text, "espalier_database_memory_bytes", "gauge", "Memory of SQLite.", gauges.databaseBytes);
   appendAccounts(text, gauges.accounts);
   appendFamily(text, "espalier_step_seconds", "histogram", "Wall time of a step, environment included.");
   metrics.stepSeconds.appendTo(text, "espalier_step_seconds");

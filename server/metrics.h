@@ -63,6 +63,8 @@ struct Gauges {
   std::uint64_t outboxBytes = 0;
   std::uint64_t decodingBytes = 0;
   std::uint64_t storeBytes = 0;
+  std::uint64_t traceBytes = 0;
+  std::uint64_t databaseBytes = 0;
   std::vector<AccountGauges> accounts{};
 };
 

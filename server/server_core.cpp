@@ -6,6 +6,7 @@
 
 #include "server/running/turn_meter.h"
 #include "server/session/session.h"
+#include "server/store/database.h"
 
 namespace espalier::server {
 namespace {
@@ -24,6 +25,10 @@ std::string randomName() {
     name += kDigits[device() & 15U];
   }
   return name;
+}
+
+std::string tracesOf(const ServerOptions& options) {
+  return options.dataFolder.empty() ? std::string() : options.dataFolder + "/traces";
 }
 
 std::string listText(const std::vector<std::string>& parts) {
@@ -52,7 +57,13 @@ ServerCore::ServerCore(ServerOptions options)
       models_(options_.galleryFolder, store_),
       savedModels_(options_.modelsFolder, options_.limits.savedModelBytes),
       pool_({.workers = options_.workers}) {
+  traceRoom_.setBound(options_.limits.traceBytes);
   boundHeaps(pool_.workers());
+}
+
+void ServerCore::countDatabase() {
+  const std::lock_guard lock(databaseMutex_);
+  databaseMemory_.set(Database::memoryBytes());
 }
 
 ServerCore::~ServerCore() {
@@ -71,7 +82,7 @@ EnvironmentServices ServerCore::environmentServices() {
   };
   services.metrics = &metrics;
   if (!options_.dataFolder.empty()) {
-    services.traceFolder = options_.dataFolder + "/traces";
+    services.traces = {tracesOf(options_), &traceRoom_};
   }
   services.galleryFolder = options_.galleryFolder;
   services.threads = options_.threads;
@@ -142,6 +153,7 @@ bool ServerCore::setLimits(const ServerLimits& fresh) {
   limits_.set(fresh);
   accounts_.setLimits(fresh);
   savedModels_.setMostBytes(fresh.savedModelBytes);
+  traceRoom_.setBound(fresh.traceBytes);
   if (const auto problem = store_.setMaximumBytes(fresh.storeBytes)) {
     log_.error("the limit storeBytes stays as it was: " + *problem);
   }
@@ -158,6 +170,7 @@ std::optional<std::string> ServerCore::loadSaved() {
   if (auto problem = store_.open()) {
     return problem;
   }
+  traceRoom_.add(static_cast<std::int64_t>(SimulationTrace::bytesIn(tracesOf(options_))));
   models_.loadKept();
   const auto saved = store_.simulations();
   if (!saved) {
@@ -236,7 +249,9 @@ std::optional<std::string> ServerCore::removeDamaged(const std::string& simulati
     return problem;
   }
   const std::lock_guard lock(mutex_);
-  damaged_.erase(simulation);
+  if (damaged_.erase(simulation) > 0) {
+    SimulationTrace::removeAll({tracesOf(options_), &traceRoom_}, simulation);
+  }
   return std::nullopt;
 }
 

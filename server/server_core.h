@@ -53,7 +53,10 @@ class ServerCore {
   [[nodiscard]] const Accounts& accounts() const { return accounts_; }
   [[nodiscard]] Store& store() { return store_; }
   [[nodiscard]] const Store& store() const { return store_; }
+  [[nodiscard]] const DiskRoom& traceRoom() const { return traceRoom_; }
   [[nodiscard]] EnvironmentServices environmentServices();
+  /// Brings the memory of SQLite in the account of the server up to date. Nothing waits in it.
+  void countDatabase();
 
   /// What `describe` says of the environments of this program. It is asked once: to make them all takes milliseconds.
   [[nodiscard]] const std::string& builtInEnvironments(const std::function<std::string()>& describe);
@@ -123,6 +126,9 @@ class ServerCore {
   LiveLimits limits_;
   std::mutex limitsMutex_;  // one change at a time
   Accounts accounts_;
+  std::mutex databaseMutex_;
+  Holding databaseMemory_{accounts_.server(), MemoryKind::Database};
+  DiskRoom traceRoom_;
   OfferedEnvironments offered_;
   Store store_;
   ModelStore models_;

@@ -60,15 +60,13 @@ struct BoxTree::Tree {
   core::Vec3 low;
   core::Vec3 high;
   double margin = 0.0;
-  RTCDevice device = nullptr;
+  EmbreeDevice device;
   RTCScene scene = nullptr;
 
   ~Tree() {
     if (scene != nullptr) {
+      device.beginRelease();
       rtcReleaseScene(scene);
-    }
-    if (device != nullptr) {
-      rtcReleaseDevice(device);
     }
   }
 };
@@ -98,12 +96,11 @@ BoxTree::BoxTree(std::span<const Bounds> boxes) : tree_(std::make_unique<Tree>()
     tree.boxes.push_back(wide);
   }
   // one thread: a simulation belongs to one worker
-  tree.device = rtcNewDevice("threads=1,user_threads=1");
-  throwWithoutMemory(tree.device);
-  tree.scene = rtcNewScene(tree.device);
-  throwWithoutMemory(tree.device);
-  RTCGeometry geometry = rtcNewGeometry(tree.device, RTC_GEOMETRY_TYPE_USER);
-  throwWithoutMemory(tree.device);
+  tree.device.open("threads=1,user_threads=1");
+  tree.scene = rtcNewScene(tree.device.get());
+  throwWithoutMemory(tree.device.get());
+  RTCGeometry geometry = rtcNewGeometry(tree.device.get(), RTC_GEOMETRY_TYPE_USER);
+  throwWithoutMemory(tree.device.get());
   rtcAttachGeometry(tree.scene, geometry);
   rtcReleaseGeometry(geometry);  // the scene keeps it
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(tree.boxes.size()));
@@ -113,7 +110,8 @@ BoxTree::BoxTree(std::span<const Bounds> boxes) : tree_(std::make_unique<Tree>()
   rtcCommitGeometry(geometry);
   rtcSetSceneFlags(tree.scene, RTC_SCENE_FLAG_ROBUST);
   rtcCommitScene(tree.scene);
-  throwWithoutMemory(tree.device);
+  throwWithoutMemory(tree.device.get());
+  tree.device.endBuild();
 }
 
 BoxTree::~BoxTree() = default;

@@ -20,6 +20,8 @@ extern "C" {
 ESPALIER_EMBREE(RTCDevice, rtcNewDevice, (const char* config), (config))
 ESPALIER_EMBREE(RTCError, rtcGetDeviceError, (RTCDevice device), (device))
 ESPALIER_EMBREE(void, rtcReleaseDevice, (RTCDevice device), (device))
+ESPALIER_EMBREE(void, rtcSetDeviceMemoryMonitorFunction,
+                (RTCDevice device, RTCMemoryMonitorFunction monitor, void* data), (device, monitor, data))
 
 ESPALIER_EMBREE(RTCScene, rtcNewScene, (RTCDevice device), (device))
 ESPALIER_EMBREE(void, rtcSetSceneFlags, (RTCScene scene, RTCSceneFlags flags), (scene, flags))

@@ -26,7 +26,9 @@ HttpPage metricsPage(const ServerCore& core) {
                 .residentBytes = residentBytes(),
                 .outboxBytes = core.outboxBytes(),
                 .decodingBytes = core.decodingBytes,
-                .storeBytes = core.store().bytes()};
+                .storeBytes = core.store().bytes(),
+                .traceBytes = core.traceRoom().used()};
+  gauges.databaseBytes = core.accounts().server().bytes(MemoryKind::Database);
   gauges.stringBytes = core.accounts().server().bytes(MemoryKind::Strings);
   for (const auto& runner : runners) {
     gauges.streamBytes += runner->streamBytes();

@@ -183,6 +183,7 @@ class Network::Implementation {
       for (const auto& connection : std::set(connections_)) {
         connection->checkAccess();
       }
+      core_->countDatabase();
       if (isHeapTrimDue()) {
         core_->pool().post({.run = [] { trimHeap(); }, .owner = "closing"});
       }

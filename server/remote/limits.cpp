@@ -68,15 +68,17 @@ constexpr std::array kEntries{
     ofServer<&Server::heartbeatMilliseconds>("heartbeatMilliseconds", 0,
                                              "silence until a peer is asked whether it is there; 0: never"),
     ofServer<&Server::callSeconds>("callSeconds", 0, "computing time of a call without a completed step; 0: no bound"),
-    ofServer<&Server::memoryBytes>("memoryBytes", 0,
-                                   "bytes of strings, environments, frames, decoding and compiling of all accounts; 0: "
-                                   "four fifths of the memory that the process may have"),
+    ofServer<&Server::memoryBytes>(
+        "memoryBytes", 0,
+        "bytes of strings, environments, frames, decoding, compiling and SQLite of all accounts; 0: "
+        "four fifths of the memory that the process may have"),
     ofServer<&Server::accountMemoryBytes>("accountMemoryBytes", 0, "the same of one account; 0: no own bound"),
     ofServer<&Server::accountSimulations>("accountSimulations", 0, "simulations of one account; 0: no own bound"),
     ofServer<&Server::accountStreams>("accountStreams", 0, "streams of one account; 0: no own bound"),
     ofServer<&Server::accountCpuSeconds>("accountCpuSeconds", 0,
                                          "processor time of one account since the server was started; 0: no bound"),
     ofServer<&Server::storeBytes>("storeBytes", 0, "bytes of the data folder's database; 0: no bound"),
+    ofServer<&Server::traceBytes>("traceBytes", 0, "bytes of the traces in the data folder; 0: no bound"),
     ofServer<&Server::savedModelBytes>("savedModelBytes", 0,
                                        "bytes of the models in the folder of --models; 0: no bound"),
     ofSimulation<&Simulation::maximumModules>("modules", "modules of the strings of a simulation"),

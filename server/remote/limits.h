@@ -32,6 +32,7 @@ struct ServerLimits {
   std::uint32_t environmentStepMilliseconds = 60'000;
   std::uint32_t heartbeatMilliseconds = 30'000;   // of silence until a peer that agreed to it is asked; 0: never
   std::uint64_t storeBytes = 0;                   // of the data folder's database; 0: as much as the disk has
+  std::uint64_t traceBytes = 0;                   // of the traces in the data folder; 0: as much as the disk has
   std::uint64_t savedModelBytes = 1'000'000'000;  // of the models that clients have saved; 0: as much as the disk has
   std::uint64_t memoryBytes = 0;         // of all accounts together; 0: four fifths of what the process may have
   std::uint64_t accountMemoryBytes = 0;  // of one account; 0: as the server

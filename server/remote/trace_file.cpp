@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "server/remote/control_group.h"
+#include "server/remote/zstd_context.h"
 
 namespace espalier::server {
 namespace {
@@ -19,30 +20,45 @@ constexpr std::size_t kPieceBytes = 1U << 20U;
 }  // namespace
 
 struct TraceFile::Compressor {
-  std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context{ZSTD_createCCtx(), &ZSTD_freeCCtx};
+  ZstdCompressor context = makeZstdCompressor();
   std::string piece = std::string(ZSTD_CStreamOutSize(), '\0');
 };
 
-tl::expected<std::unique_ptr<TraceFile>, std::string> TraceFile::create(const std::string& name) {
+tl::expected<std::unique_ptr<TraceFile>, std::string> TraceFile::create(const std::string& name, DiskRoom* room) {
   std::FILE* file = std::fopen(name.c_str(), "wb");
   if (file == nullptr) {
     return tl::unexpected("cannot write the trace '" + name + "': " + std::strerror(errno) +
                           "; give a file in a folder that exists.");
   }
-  return std::unique_ptr<TraceFile>(new TraceFile(name, file, name.ends_with(kCompressedSuffix)));
+  return std::unique_ptr<TraceFile>(new TraceFile(name, file, name.ends_with(kCompressedSuffix), room));
 }
 
-TraceFile::TraceFile(std::string name, std::FILE* file, bool isCompressed)
-    : name_(std::move(name)), file_(file), compressor_(isCompressed ? std::make_unique<Compressor>() : nullptr) {}
+TraceFile::TraceFile(std::string name, std::FILE* file, bool isCompressed, DiskRoom* room)
+    : name_(std::move(name)),
+      file_(file),
+      room_(room),
+      compressor_(isCompressed ? std::make_unique<Compressor>() : nullptr) {}
 
 TraceFile::~TraceFile() {
   (void)close();
 }
 
 void TraceFile::put(std::string_view bytes) {
-  if (file_ != nullptr && problem_.empty() && std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) {
+  if (file_ == nullptr || !problem_.empty()) {
+    return;
+  }
+  if (room_ != nullptr && !room_->take(bytes.size())) {
+    isOutOfRoom_ = true;
+    problem_ = "there is no room for more";
+    return;
+  }
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) {
     problem_ = std::strerror(errno);
   }
+}
+
+std::uint64_t TraceFile::memoryBytes() const {
+  return compressor_ == nullptr ? 0 : ZSTD_sizeof_CCtx(compressor_->context.get()) + compressor_->piece.capacity();
 }
 
 void TraceFile::compress(std::string_view bytes, int directive) {
@@ -98,7 +114,7 @@ std::string TraceFile::problem() const {
 }
 
 struct TraceFileSource::Decompressor {
-  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{ZSTD_createDCtx(), &ZSTD_freeDCtx};
+  ZstdDecompressor context = makeZstdDecompressor();
   std::string packed;        // a piece of the file
   std::size_t used = 0;      // bytes of it that were decompressed
   bool hasHeldBack = false;  // the last output was full: there may be more without further input

@@ -11,6 +11,7 @@
 
 #include "engine/core/byte_source.h"
 #include "engine/core/streams.h"
+#include "server/remote/disk_room.h"
 
 namespace espalier::server {
 
@@ -18,8 +19,10 @@ namespace espalier::server {
 /// written part is readable, even if the program is killed.
 class TraceFile final : public core::ByteSink {
  public:
-  /// An error sentence when the file cannot be made.
-  [[nodiscard]] static tl::expected<std::unique_ptr<TraceFile>, std::string> create(const std::string& name);
+  /// An error sentence when the file cannot be made. `room`: that the file shares with others, and outlives it; null:
+  /// none.
+  [[nodiscard]] static tl::expected<std::unique_ptr<TraceFile>, std::string> create(const std::string& name,
+                                                                                    DiskRoom* room = nullptr);
   ~TraceFile() override;
   TraceFile(const TraceFile&) = delete;
   TraceFile& operator=(const TraceFile&) = delete;
@@ -29,17 +32,23 @@ class TraceFile final : public core::ByteSink {
   void flush();
   /// A sentence when anything could not be written; else empty.
   [[nodiscard]] std::string problem() const;
+  /// The problem is the room.
+  [[nodiscard]] bool isOutOfRoom() const { return isOutOfRoom_; }
+  /// Memory of the compression.
+  [[nodiscard]] std::uint64_t memoryBytes() const;
   /// Ends the file. An error sentence when anything could not be written.
   [[nodiscard]] std::optional<std::string> close();
 
  private:
   struct Compressor;
-  TraceFile(std::string name, std::FILE* file, bool isCompressed);
+  TraceFile(std::string name, std::FILE* file, bool isCompressed, DiskRoom* room);
   void put(std::string_view bytes);
   void compress(std::string_view bytes, int directive);
 
   std::string name_;
-  std::FILE* file_;                         // null: closed
+  std::FILE* file_;  // null: closed
+  DiskRoom* room_;   // null: none
+  bool isOutOfRoom_ = false;
   std::unique_ptr<Compressor> compressor_;  // null: none
   std::string problem_;
 };

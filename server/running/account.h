@@ -18,12 +18,12 @@ namespace espalier::server {
 struct ServerLimits;
 
 /// What memory is taken for.
-enum class MemoryKind : std::uint8_t { Strings, Environments, Frames, Decoding, Compiling };
+enum class MemoryKind : std::uint8_t { Strings, Environments, Frames, Decoding, Compiling, Database };
 
-inline constexpr std::size_t kMemoryKindCount = 5;
+inline constexpr std::size_t kMemoryKindCount = 6;
 /// Their names on the wire and in the metrics: stringBytes, environmentBytes, ...
 inline constexpr std::array<std::string_view, kMemoryKindCount> kMemoryKindNames{
-    "stringBytes", "environmentBytes", "frameBytes", "decodingBytes", "compilingBytes"};
+    "stringBytes", "environmentBytes", "frameBytes", "decodingBytes", "compilingBytes", "databaseBytes"};
 
 /// What one owner takes from the server, and at most may take. The account of the server is the parent of all others:
 /// what an owner takes counts there too. Thread-safe.

@@ -15,6 +15,7 @@
 #include "server/remote/environment_link.h"
 #include "server/remote/failure_policy.h"
 #include "server/remote/remote_permissions.h"
+#include "server/running/simulation_trace.h"
 
 namespace espalier::server {
 
@@ -30,8 +31,8 @@ struct EnvironmentServices {
   std::chrono::milliseconds stepTimeout{60'000};
   protocol::FrameLimits frames;  // of what environments that are dialled or spawned send
   std::string galleryFolder;
-  Metrics* metrics = nullptr;                    // null: nothing is counted
-  std::string traceFolder;                       // empty: no traces
+  Metrics* metrics = nullptr;  // null: nothing is counted
+  TraceFolder traces;
   std::optional<protocol::BoundsRecord> bounds;  // told to environments in other processes
   FailureSink onFailure;                         // called when an environment with a policy has failed
   unsigned threads = 1;                          // of one step

@@ -52,10 +52,15 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   EnvironmentServices services = services_;
   services.bounds = record_.create.bounds;
   if (record_.create.isTraced) {
-    if (services_.traceFolder.empty()) {
+    if (services_.traces.path.empty()) {
       return protocol::memberError("params.trace", "this server keeps nothing; start it with --data to have traces");
     }
-    auto trace = SimulationTrace::create(services_.traceFolder, record_.id);
+    // one from the data folder goes on without, and says so
+    if (const DiskRoom* const room = services_.traces.room; !isAbsenceTolerated && room != nullptr && room->isFull()) {
+      return protocol::limitError("traceBytes", room->used(), room->bound(),
+                                  "Delete simulations with traces, or make this one without.");
+    }
+    auto trace = SimulationTrace::create(services_.traces, record_.id);
     if (!trace) {
       return protocol::Error{protocol::ErrorCode::Storage, trace.error(), {}};
     }

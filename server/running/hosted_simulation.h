@@ -53,7 +53,7 @@ class HostedSimulation {
   }
   [[nodiscard]] std::uint64_t environmentBytes() const {
     const std::int64_t bytes = *environmentBytes_;
-    return bytes > 0 ? static_cast<std::uint64_t>(bytes) : 0;
+    return (bytes > 0 ? static_cast<std::uint64_t>(bytes) : 0) + (trace_ == nullptr ? 0 : trace_->memoryBytes());
   }
   /// What its compiled models take that no other simulation shares, and what it was made from.
   [[nodiscard]] std::uint64_t modelBytes() const {
@@ -99,11 +99,11 @@ class HostedSimulation {
   /// Why the trace has ended although the simulation goes on: a sentence; empty: it has not.
   [[nodiscard]] std::string traceProblem() const { return trace_ == nullptr ? std::string() : trace_->problem(); }
   [[nodiscard]] std::vector<StoredTrace> traces() const {
-    return SimulationTrace::list(services_.traceFolder, record_.id);
+    return SimulationTrace::list(services_.traces.path, record_.id);
   }
   /// The bytes of a trace so far; nothing when there is none of the number, or it is larger than `bound`.
   [[nodiscard]] std::optional<std::string> readTrace(std::uint64_t number, std::uint64_t bound) const {
-    return SimulationTrace::read(services_.traceFolder, record_.id, number, bound);
+    return SimulationTrace::read(services_.traces.path, record_.id, number, bound);
   }
 
   /// Tells the environments in other processes that the simulation is no more. A silent one is waited for a second.

@@ -13,6 +13,14 @@ fs::path pathOf(const std::string& folder, const std::string& id, std::uint64_t 
   return fs::path(folder) / (id + "-" + std::to_string(number) + ".trace.zst");
 }
 
+void removeFile(const fs::path& path, DiskRoom* room) {
+  std::error_code error;
+  const std::uint64_t bytes = fs::file_size(path, error);
+  if (!error && fs::remove(path, error) && room != nullptr) {
+    room->add(-static_cast<std::int64_t>(bytes));
+  }
+}
+
 }  // namespace
 
 std::vector<StoredTrace> SimulationTrace::list(const std::string& folder, const std::string& id) {
@@ -41,43 +49,57 @@ std::optional<std::string> SimulationTrace::read(const std::string& folder, cons
   return file.is_open() && !file.bad() ? std::optional(std::move(bytes)) : std::nullopt;
 }
 
-tl::expected<std::unique_ptr<SimulationTrace>, std::string> SimulationTrace::create(const std::string& folder,
+tl::expected<std::unique_ptr<SimulationTrace>, std::string> SimulationTrace::create(const TraceFolder& folder,
                                                                                     const std::string& id) {
   std::error_code error;
-  fs::create_directories(folder, error);
+  fs::create_directories(folder.path, error);
   if (error) {
-    return tl::unexpected("cannot make the folder of traces '" + folder + "': " + error.message() + ".");
+    return tl::unexpected("cannot make the folder of traces '" + folder.path + "': " + error.message() + ".");
   }
   std::uint64_t number = 1;
-  while (fs::exists(pathOf(folder, id, number), error)) {
+  while (fs::exists(pathOf(folder.path, id, number), error)) {
     ++number;
   }
-  const fs::path name = pathOf(folder, id, number);
-  auto file = TraceFile::create(name.string());
+  const fs::path name = pathOf(folder.path, id, number);
+  auto file = TraceFile::create(name.string(), folder.room);
   if (!file) {
     return tl::unexpected(std::move(file.error()));
   }
-  return std::unique_ptr<SimulationTrace>(new SimulationTrace(std::move(*file), name.string()));
+  return std::unique_ptr<SimulationTrace>(new SimulationTrace(std::move(*file), name.string(), folder.room));
 }
 
 SimulationTrace::~SimulationTrace() {
   if (!hasBegun_) {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
+    removeFile(path_, room_);
   }
 }
 
 std::string SimulationTrace::problem() const {
+  if (file_->isOutOfRoom()) {
+    return "The trace ended, because all traces together have " + std::to_string(room_->used()) + " of " +
+           std::to_string(room_->bound()) +
+           " bytes (limit traceBytes): delete simulations with traces, then begin another one with simulation.trace.";
+  }
   return file_->problem().empty() ? std::string()
                                   : "The trace ended, because the data folder does not take more of it: make room on "
                                     "the disk, then begin another one with simulation.trace.";
 }
 
-void SimulationTrace::removeAll(const std::string& folder, const std::string& id) {
-  std::error_code ignored;
-  for (const StoredTrace& trace : list(folder, id)) {
-    fs::remove(pathOf(folder, id, trace.number), ignored);
+void SimulationTrace::removeAll(const TraceFolder& folder, const std::string& id) {
+  for (const StoredTrace& trace : list(folder.path, id)) {
+    removeFile(pathOf(folder.path, id, trace.number), folder.room);
   }
+}
+
+std::uint64_t SimulationTrace::bytesIn(const std::string& folder) {
+  std::uint64_t sum = 0;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code gone;
+    const std::uint64_t bytes = entry->file_size(gone);
+    sum += gone ? 0 : bytes;
+  }
+  return sum;
 }
 
 }  // namespace espalier::server

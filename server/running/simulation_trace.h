@@ -18,12 +18,18 @@ struct StoredTrace {
   std::uint64_t bytes = 0;   // compressed
 };
 
+/// Where the traces of a server are.
+struct TraceFolder {
+  std::string path;          // empty: there are none
+  DiskRoom* room = nullptr;  // that all of them share
+};
+
 /// The trace of a simulation of the server: a compressed file in the data folder, readable up to the last completed
 /// step whenever the server ends.
 class SimulationTrace {
  public:
   /// `FOLDER/ID-N.trace.zst` with the first free N. Makes the folder. An error sentence when that fails.
-  [[nodiscard]] static tl::expected<std::unique_ptr<SimulationTrace>, std::string> create(const std::string& folder,
+  [[nodiscard]] static tl::expected<std::unique_ptr<SimulationTrace>, std::string> create(const TraceFolder& folder,
                                                                                           const std::string& id);
 
   /// The traces of a simulation, by number. `folder` empty: there are none.
@@ -33,7 +39,9 @@ class SimulationTrace {
                                                        std::uint64_t number, std::uint64_t bound);
 
   /// Removes all traces of a simulation.
-  static void removeAll(const std::string& folder, const std::string& id);
+  static void removeAll(const TraceFolder& folder, const std::string& id);
+  /// Of all traces in a folder.
+  [[nodiscard]] static std::uint64_t bytesIn(const std::string& folder);
 
   /// A trace that never began leaves no file.
   ~SimulationTrace();
@@ -57,16 +65,19 @@ class SimulationTrace {
   }
   /// Adds a note: an environment failed and this was done about it.
   void note(std::uint64_t step, const std::string& message) { recorder_->fail(step, message); }
+  [[nodiscard]] std::uint64_t memoryBytes() const { return file_->memoryBytes(); }
   /// Why the trace has ended: the disk does not take it. A sentence that names no folder; empty: it goes on.
   [[nodiscard]] std::string problem() const;
 
  private:
-  SimulationTrace(std::unique_ptr<TraceFile> file, std::string path)
+  SimulationTrace(std::unique_ptr<TraceFile> file, std::string path, DiskRoom* room)
       : path_(std::move(path)),
+        room_(room),
         file_(std::move(file)),
         recorder_(std::make_shared<simulation::TraceRecorder>(*file_)) {}
 
   std::string path_;
+  DiskRoom* room_;
   bool hasBegun_ = false;
   std::unique_ptr<TraceFile> file_;
   std::shared_ptr<simulation::TraceRecorder> recorder_;

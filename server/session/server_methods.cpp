@@ -52,11 +52,13 @@ void serverStatus(const Request& request, protocol::NoParams) {
     passive += runner->isPassive() ? 1U : 0U;
   }
   result.key("passive").integer(passive);
+  core.countDatabase();
   const Account& all = core.accounts().server();
   result.key("memory").beginObject();
   writeMemory(result, all);
   result.key("streamBytes").integer(streamBytes);
-  result.key("outboxBytes").integer(core.outboxBytes()).key("storeBytes").integer(core.store().bytes()).endObject();
+  result.key("outboxBytes").integer(core.outboxBytes()).key("storeBytes").integer(core.store().bytes());
+  result.key("traceBytes").integer(core.traceRoom().used()).endObject();
   // only its own: what others do is not the peer's business
   const Account& own = request.session.account();
   result.key("account").beginObject().key("name").text(own.owner());

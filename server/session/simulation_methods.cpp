@@ -122,7 +122,7 @@ void simulationDelete(const Request& request, protocol::SimulationParams params)
       if (!self.isOnDiskOnly()) {
         self.hosted().closeEnvironments();
       }
-      SimulationTrace::removeAll(core.environmentServices().traceFolder, self.id());
+      SimulationTrace::removeAll(core.environmentServices().traces, self.id());
       core.remove(self.id());
     }
     self.publishEndOf(last);

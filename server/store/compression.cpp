@@ -1,9 +1,11 @@
 #include "server/store/compression.h"
 
 #include <zstd.h>
+#include <zstd_errors.h>
 
-#include <memory>
 #include <new>
+
+#include "server/remote/zstd_context.h"
 
 namespace espalier::server {
 namespace {
@@ -14,10 +16,7 @@ constexpr int kLevel = 1;
 }  // namespace
 
 std::string compress(std::string_view bytes) {
-  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
-  if (context == nullptr) {
-    throw std::bad_alloc();
-  }
+  const ZstdCompressor context = makeZstdCompressor();
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kLevel);
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
   std::string packed(ZSTD_compressBound(bytes.size()), '\0');
@@ -40,7 +39,11 @@ std::optional<std::string> decompress(std::string_view packed, std::uint64_t max
     return std::nullopt;
   }
   std::string bytes(static_cast<std::size_t>(size), '\0');
-  const std::size_t found = ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size());
+  const std::size_t found =
+      ZSTD_decompressDCtx(makeZstdDecompressor().get(), bytes.data(), bytes.size(), packed.data(), packed.size());
+  if (ZSTD_isError(found) != 0 && ZSTD_getErrorCode(found) == ZSTD_error_memory_allocation) {
+    throw std::bad_alloc();
+  }
   if (ZSTD_isError(found) != 0 || found != size) {
     return std::nullopt;
   }

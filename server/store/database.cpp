@@ -2,7 +2,20 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
+
 namespace espalier::server {
+
+namespace {
+
+/// Beyond it SQLite forgets pages that it can read again.
+constexpr std::int64_t kPlentyBytes = 32'000'000;
+
+}  // namespace
+
+std::uint64_t Database::memoryBytes() {
+  return static_cast<std::uint64_t>(std::max<sqlite3_int64>(sqlite3_memory_used(), 0));
+}
 
 Database::~Database() {
   sqlite3_close(connection_);
@@ -17,6 +30,9 @@ void Database::fail() {
 }
 
 void Database::openFile(const std::string& file, int flags, Access access) {
+  // for the whole process, and the same each time
+  sqlite3_soft_heap_limit64(kPlentyBytes);
+  sqlite3_hard_heap_limit64(kMostMemoryBytes);
   if (sqlite3_open_v2(file.c_str(), &connection_, flags | SQLITE_OPEN_NOMUTEX, nullptr) != SQLITE_OK) {
     fail();
     return;

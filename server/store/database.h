@@ -28,6 +28,10 @@ class Database {
   /// Opens a file that is there, beside a server that may write it.
   void openToRead(const std::string& file);
   void execute(const char* sql);
+  /// Of SQLite in this process. It takes no more than kMostMemoryBytes: then a statement fails.
+  [[nodiscard]] static std::uint64_t memoryBytes();
+  /// A model's text of a whole message, in several copies.
+  static constexpr std::int64_t kMostMemoryBytes = 512'000'000;
   void begin() { execute("BEGIN IMMEDIATE"); }
   /// Commits, or rolls back after a failure. True: it was committed.
   bool commit();

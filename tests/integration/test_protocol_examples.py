@@ -17,7 +17,7 @@ README = REPOSITORY / "protocol" / "README.md"
 
 # what differs from run to run: only its type is compared
 VOLATILE = {"milliseconds", "bytes", "content", "snapshot", "uptimeSeconds", "storeBytes", "outboxBytes", "stringBytes",
-            "environmentBytes", "frameBytes", "decodingBytes", "compilingBytes", "usedBytes", "boundBytes", "cpuSeconds",
+            "environmentBytes", "frameBytes", "decodingBytes", "compilingBytes", "databaseBytes", "traceBytes", "usedBytes", "boundBytes", "cpuSeconds",
             "sessions", "workers", "server"}
 # abbreviated in the text: the members and elements that are there must be in the answer
 ABBREVIATED = {"limits", "gallery", "entries", "pictures", "files"}

@@ -209,9 +209,9 @@ class Roles(unittest.TestCase):
 
         def hang_up(said: str) -> None:
             begin = log.stat().st_size
-            server.process.send_signal(signal.SIGHUP)
+            server._process.send_signal(signal.SIGHUP)
             while said not in log.read_text(encoding="utf-8")[begin:]:
-                self.assertIsNone(server.process.poll())
+                self.assertIsNone(server._process.poll())
 
         write({"simulations": 1, "arity": 7, "storeBytes": 40_960})
         with log.open("wb") as errors:
@@ -220,7 +220,7 @@ class Roles(unittest.TestCase):
         client = server.connect(timeout=SECONDS)
         self.addCleanup(client.close)
         first = client.create(SOURCE, environment=[{"type": "height"}])
-        with self.assertRaisesRegex(ServerError, "limit simulations"):
+        with self.assertRaisesRegex(ServerError, "simulations is limited to 1,"):
             client.create(SOURCE, environment=[{"type": "height"}])
         # a bound of the server at once, one of simulations for later ones; the command line wins
         write({"simulations": 3, "modules": 5, "openFiles": 4, "accountStreams": 1, "memoryBytes": 123_456_789})
@@ -236,7 +236,7 @@ class Roles(unittest.TestCase):
             second.step(8)
         self.assertEqual(client.call("server.status")["memory"]["boundBytes"], 123_456_789)
         client.call("stream.open", {"simulation": first.identifier, "what": "string"})
-        with self.assertRaisesRegex(ServerError, "limit accountStreams"):
+        with self.assertRaisesRegex(ServerError, "accountStreams is limited to 1,"):
             client.call("stream.open", {"simulation": first.identifier, "what": "string"})
         # the limits that a peer is told are the present ones
         raw = Raw(server.address, hello())
@@ -311,9 +311,9 @@ class Roles(unittest.TestCase):
                           espalier("serve", "--config", self.configuration(), "--listen", "127.0.0.1:0", status=2).stderr)
 
 
-def package_server(configuration: str, errors: Any) -> Any:
+def package_server(configuration: str, errors: Any, *more: str) -> Any:
     from espalier import Server as PackageServer
-    return PackageServer(program(), arguments=["--config", configuration, "--log-format", "json"], errors=errors)
+    return PackageServer(program(), arguments=["--config", configuration, "--log-format", "json", *more], errors=errors)
 
 
 class Offers(unittest.TestCase):

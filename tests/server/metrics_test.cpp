@@ -39,11 +39,13 @@ TEST(Metrics, EveryGaugeHasAFamilyOfItsOwn) {
                                                       .streamBytes = 16,
                                                       .outboxBytes = 17,
                                                       .decodingBytes = 19,
-                                                      .storeBytes = 18});
+                                                      .storeBytes = 18,
+                                                      .traceBytes = 21,
+                                                      .databaseBytes = 22});
   for (const std::string_view line :
        {"espalier_sessions 11", "espalier_simulations 12", "espalier_workers 13", "espalier_resident_bytes 14",
         "espalier_string_bytes 15", "espalier_stream_bytes 16", "espalier_outbox_bytes 17", "espalier_store_bytes 18",
-        "espalier_decoding_bytes 19"}) {
+        "espalier_decoding_bytes 19", "espalier_trace_bytes 21", "espalier_database_memory_bytes 22"}) {
     const std::string name(line.substr(0, line.find(' ')));
     EXPECT_NE(text.find("# TYPE " + name + " gauge\n" + std::string(line) + "\n"), std::string::npos) << line << "\n"
                                                                                                       << text;

@@ -60,7 +60,9 @@ int runStatus(const StatusOptions& options) {
       Line{"bytes of strings", "memory", "stringBytes"},
       Line{"bytes kept for viewers", "memory", "streamBytes"},
       Line{"bytes not read by peers", "memory", "outboxBytes"},
+      Line{"bytes of the database", "memory", "databaseBytes"},
       Line{"bytes of the data folder", "memory", "storeBytes"},
+      Line{"bytes of traces on disk", "memory", "traceBytes"},
   };
   for (const Line& line : kLines) {
     const std::string object = *line.object == '\0' ? status : protocol::memberOf(status, line.object).value_or("{}");

@@ -124,7 +124,7 @@ void keepAny(const RTCFilterFunctionNArguments* arguments) {
 }  // namespace
 
 struct RayCaster::Tree {
-  RTCDevice device = nullptr;
+  EmbreeDevice device;
   RTCScene scene = nullptr;
   std::vector<std::uint32_t> originalOf;   // triangle by triangle of the scene; empty: the same
   const float* vertices = nullptr;         // of the scene, three a vertex
@@ -145,10 +145,8 @@ struct RayCaster::Tree {
 
   ~Tree() {
     if (scene != nullptr) {
+      device.beginRelease();
       rtcReleaseScene(scene);
-    }
-    if (device != nullptr) {
-      rtcReleaseDevice(device);
     }
   }
 };
@@ -217,19 +215,18 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
     return;
   }
   // no fused multiply-add: without it Embree meets the same triangles on every processor
-  tree.device = rtcNewDevice(
+  tree.device.open(
       ("ignore_config_files=1,threads=" + std::to_string(std::max(threads, 1U)) + ",max_isa=" + widestInstructions)
           .c_str());
-  throwWithoutMemory(tree.device);
-  tree.scene = rtcNewScene(tree.device);
-  throwWithoutMemory(tree.device);
-  RTCGeometry geometry = rtcNewGeometry(tree.device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  throwWithoutMemory(tree.device);
+  tree.scene = rtcNewScene(tree.device.get());
+  throwWithoutMemory(tree.device.get());
+  RTCGeometry geometry = rtcNewGeometry(tree.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  throwWithoutMemory(tree.device.get());
   rtcAttachGeometry(tree.scene, geometry);
   rtcReleaseGeometry(geometry);  // the scene keeps it
   auto* position = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                                                3 * sizeof(float), places.size()));
-  throwWithoutMemory(tree.device);
+  throwWithoutMemory(tree.device.get());
   tree.vertices = position;
   for (const Vec3& place : places) {
     *position++ = static_cast<float>(place.x);
@@ -238,7 +235,7 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
   }
   auto* index = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), corners.size()));
-  throwWithoutMemory(tree.device);
+  throwWithoutMemory(tree.device.get());
   tree.corners = index;
   for (const auto& corner : corners) {
     index = std::copy(corner.begin(), corner.end(), index);
@@ -248,7 +245,8 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
   rtcCommitGeometry(geometry);
   rtcSetSceneFlags(tree.scene, RTC_SCENE_FLAG_ROBUST);
   rtcCommitScene(tree.scene);
-  throwWithoutMemory(tree.device);
+  throwWithoutMemory(tree.device.get());
+  tree.device.endBuild();
 }
 
 RayCaster::~RayCaster() = default;

@@ -244,5 +244,22 @@ TEST(Store, ManyWriteAtATime) {
   }
 }
 
+TEST(Store, TheDatabaseHasABoundOfItsMemory) {
+  const TemporaryFolder folder;
+  Database database;
+  database.open(folder.path() + "/a.sqlite");
+  database.execute("CREATE TABLE texts(text TEXT)");
+  ASSERT_EQ(database.problem(), std::nullopt);
+  EXPECT_GT(Database::memoryBytes(), 10'000U);
+  const auto insert = [&] { database.execute("INSERT INTO texts VALUES(hex(zeroblob(200000000)))"); };
+  // 200 million bytes and their 400 million digits
+  insert();
+  EXPECT_EQ(database.problem(), "out of memory");
+  database.clearProblem();
+  EXPECT_LE(Database::memoryBytes(), static_cast<std::uint64_t>(Database::kMostMemoryBytes));
+  database.execute("INSERT INTO texts VALUES('short')");
+  EXPECT_EQ(database.problem(), std::nullopt);
+}
+
 }  // namespace
 }  // namespace espalier::server

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <new>
 #include <random>
 #include <vector>
 
@@ -64,6 +67,43 @@ TEST(RayCaster, HitsDoNotDependOnVectorInstructions) {
     const std::vector<std::uint32_t> hits = hitsOf(mesh, "avx", isRepeated);
     EXPECT_EQ(hits, hitsOf(mesh, "sse4.2", isRepeated));
     EXPECT_EQ(hits, hitsOf(mesh, "sse2", isRepeated));
+  }
+}
+
+/// Counts, and refuses what goes beyond a bound.
+class CountingMeter final : public core::WorkMeter {
+ public:
+  explicit CountingMeter(std::int64_t bound) : bound_(bound) {}
+  [[nodiscard]] bool take(std::int64_t bytes) noexcept override {
+    if ((held_ += bytes) > bound_ && bytes > 0) {
+      held_ -= bytes;
+      return false;
+    }
+    return true;
+  }
+  [[nodiscard]] bool isStopped() const noexcept override { return false; }
+  [[nodiscard]] std::int64_t held() const { return held_; }
+
+ private:
+  const std::int64_t bound_;
+  std::atomic<std::int64_t> held_{0};
+};
+
+TEST(RayCaster, TheMeterOfTheThreadCountsTheTreeAndMayRefuseIt) {
+  const Mesh mesh(200);
+  for (const unsigned threads : {1U, 2U}) {
+    CountingMeter meter(INT64_MAX);
+    {
+      const core::WorkMeter::Scope scope(&meter);
+      const RayCaster caster(mesh.vertices, mesh.triangles, {}, threads);
+      // a corner of a triangle takes four bytes, a place twelve
+      EXPECT_GT(meter.held(), static_cast<std::int64_t>(12 * mesh.triangles.size() + 12 * mesh.vertices.size()));
+    }
+    EXPECT_EQ(meter.held(), 0);
+    CountingMeter narrow(1'000'000);
+    const core::WorkMeter::Scope scope(&narrow);
+    EXPECT_THROW(RayCaster(mesh.vertices, mesh.triangles, {}, threads), std::bad_alloc);
+    EXPECT_EQ(narrow.held(), 0);
   }
 }
 
