@@ -50,13 +50,29 @@ class Page:
     def __init__(self, espalier: str, names: list[str]) -> None:
         """`names` are those that the run was restricted to; none: a whole run."""
         version = subprocess.run([espalier, "--version"], capture_output=True, text=True, check=True).stdout.strip()
+        self.tables: dict[str, str] = {}
         self.parts = [HEAD + table([*machine(), ["version", version], ["benchmarks", ", ".join(names) or "all"]])]
 
     def add_table(self, title: str, rows: list[list[str]]) -> None:
+        self.tables[title] = table(rows)
         self.parts.append(f"## {title}\n\n{table(rows)}")
 
     def write(self, file: str) -> None:
         Path(file).write_text("\n".join(self.parts), encoding="utf-8")
+
+
+    def update(self, file: str) -> None:
+        """Puts the tables of this run in the place of those of the same titles; new ones go to the end."""
+        said = f"Measured {datetime.date.today().isoformat()}, load {os.getloadavg()[0]:.1f}.\n\n"
+        head, *sections = Path(file).read_text(encoding="utf-8").split("\n## ")
+        titles = [section.split("\n", 1)[0] for section in sections]
+        for title, text in self.tables.items():
+            section = f"{title}\n\n{said}{text}"
+            if title in titles:
+                sections[titles.index(title)] = section
+            else:
+                sections.append(section)
+        Path(file).write_text("\n## ".join([head, *sections]), encoding="utf-8")
 
 
 def append_table(file: str, title: str, rows: list[list[str]]) -> None:

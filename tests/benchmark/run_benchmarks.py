@@ -43,6 +43,9 @@ MEMORY_TARGET = 1.1  # resident memory over the two strings' 2 bytes a module an
 START_UP_TARGET = 5.0  # milliseconds of the whole process that derives a small model, above those of a process that does nothing
 THREAD_TARGET = 0.9  # gain of two threads over the gain of two threads that copy
 
+VIEWERS_CPU_TARGET = 1.1  # processor time of the thread that steps, with 50 viewers over without
+VIEWERS_WALL_TARGET = 1.5  # the median time of such a step
+
 ROUND_TRIP_TARGET = 3.0  # median of a step of a small plant over a bare echo of as many bytes, left alone
 
 SWEEP_TARGET = 1.05  # runs of a sweep over the same runs in a bare loop
@@ -222,14 +225,29 @@ def stream_rows(entries: dict) -> list[list[str]]:
 
 
 def viewer_rows(entries: dict) -> list[list[str]]:
-    rows = [["steps with 50 viewers", "modules", "alone us", "with viewers us", "wall ratio", "CPU ratio of the stepping thread",
-             "its instruction ratio"]]
+    """Instructions are shown where the system counts those of a thread."""
+    rows = [["steps with 50 viewers", "modules", "alone us", "with viewers us", "wall ratio", "target", "",
+             "CPU ratio of the stepping thread", "target", "", "CPU ratio of two runs without viewers", "its instruction ratio"]]
     for name, entry in entries.items():
         if name.startswith("viewers/"):
-            rows.append([name, f"{entry['modules']:,.0f}", f"{entry['alone us']:,.1f}",
-                         f"{entry['real_time']:,.1f}", f"{entry['viewers wall ratio']:.2f}",
-                         f"{entry['viewers cpu ratio']:.2f}",
-                         f"{entry.get('viewers instruction ratio') or float('nan'):.3f}"])
+            wall, processor = entry["viewers wall ratio"], entry["viewers cpu ratio"]
+            instructions = entry.get("viewers instruction ratio")
+            rows.append([name, f"{entry['modules']:,.0f}", f"{entry['alone us']:,.1f}", f"{entry['real_time']:,.1f}",
+                         f"{wall:.2f}", f"{VIEWERS_WALL_TARGET}", verdict(wall <= VIEWERS_WALL_TARGET),
+                         f"{processor:.2f}", f"{VIEWERS_CPU_TARGET}", verdict(processor <= VIEWERS_CPU_TARGET),
+                         f"{entry['alone cpu ratio']:.2f}", f"{instructions:.3f}" if instructions else ""])
+    return rows
+
+
+def store_rows(entries: dict) -> list[list[str]]:
+    """Saves of so many simulations at a time. The bare request to the disk stands beside them."""
+    rows = [["saves into the data folder", "saves/s", "median ms of a save", "saves a request to the disk",
+             "writing and forcing as many bytes ms", "saves/s, x one after the other"]]
+    for name, entry in entries.items():
+        if name.startswith("store/"):
+            forcing, shared = entry["forcing ms"], entry["saves/request"]
+            rows.append([name, f"{entry['saves/s']:,.0f}", f"{entry['median ms']:.2f}", f"{shared:.1f}" if shared else "none",
+                         f"{forcing:.2f}", f"{entry['saves/s'] * forcing / 1e3:.2f}" if shared and forcing else ""])
     return rows
 
 
@@ -248,7 +266,7 @@ def other_rows(entries: dict, baseline: dict) -> list[list[str]]:
     rows = [["benchmark", "ms"] + [title for _, title, _, _ in OTHER_COLUMNS] + ["x baseline"]]
     shown = {name for name, *_ in TARGETS}
     for name, entry in entries.items():
-        if name in shown or name.startswith(("derive-cliff/", "derive-threads/", "server/", "stream/", "viewers/", "field/", "change/", "text/")):
+        if name in shown or name.startswith(("derive-cliff/", "derive-threads/", "server/", "stream/", "viewers/", "store/", "field/", "change/", "text/")):
             continue
         row = [name, f"{milliseconds(entry):,.2f}"]
         for key, _, form, factor in OTHER_COLUMNS:
@@ -319,6 +337,7 @@ def main() -> int:
     parser.add_argument("--json", required=True, help="file that receives all figures")
     parser.add_argument("--baseline", help="JSON of an earlier run: adds the column `x baseline`, above 1 is faster now")
     parser.add_argument("--results", help="page that receives the tables")
+    parser.add_argument("--update", help="page in which the tables of this run take the place of earlier ones")
     parser.add_argument("names", nargs="*", help="only benchmarks whose name contains one of these")
     options = parser.parse_args()
 
@@ -356,6 +375,7 @@ def main() -> int:
     print_table("A server in another process", server_rows(entries), page)
     print_table("Viewers: what changed, and the whole", stream_rows(entries), page)
     print_table("Viewers beside steps", viewer_rows(entries), page)
+    print_table("Saves: durability process, and power", store_rows(entries), page)
     print_table("No cliff: small strings, many productions and parameters, nesting, contexts",
                 cliff_rows(entries, baseline), page)
     print_table("Fields, beside plain copies of as many bytes", field_rows(entries), page)
@@ -365,6 +385,8 @@ def main() -> int:
     print_table("Growth with the number of queries", growth_rows(entries), page)
     if options.results:
         page.write(options.results)
+    if options.update:
+        page.update(options.update)
     for name, entry in failed.items():
         print(f"{name} failed: {entry['error_message']}")
     return 1 if failed else 0

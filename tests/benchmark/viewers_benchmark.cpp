@@ -10,6 +10,7 @@
 #include <chrono>
 #include <ctime>
 #include <future>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kViewers = 50;
+
+/// Steps without viewers and with them take turns: other programs and the system's clock disturb single rounds.
+constexpr int kRounds = 15;
+constexpr int kRoundsOfLarge = 7;
 
 /// A peer that reads everything at once, or nothing.
 class ViewerConnection final : public server::Connection {
@@ -84,11 +89,11 @@ class InstructionCounter {
   InstructionCounter(const InstructionCounter&) = delete;
   InstructionCounter& operator=(const InstructionCounter&) = delete;
 
-  /// 0: the system does not count.
-  [[nodiscard]] double count() const {
+  /// Nothing: the system does not count.
+  [[nodiscard]] std::optional<double> count() const {
     std::uint64_t value = 0;
     const bool isRead = descriptor_ >= 0 && ::read(descriptor_, &value, sizeof(value)) == sizeof(value);
-    return isRead ? static_cast<double>(value) : 0.0;
+    return isRead ? std::optional(static_cast<double>(value)) : std::nullopt;
   }
 
  private:
@@ -109,7 +114,7 @@ class Watched {
     record.create.plants.emplace_back();
     record.create.environmentJson = hasQueries ? R"([{"type":"constant","values":[1]}])" : "";
     server::Interruption interruption;
-    auto hosted = server::HostedSimulation::create(record, {compiled.program}, {}, core.options().limits.simulation,
+    auto hosted = server::HostedSimulation::create(record, {compiled.program}, {}, core.limits().simulation,
                                                    core.environmentServices(), core.store(), interruption);
     core.add(record.id, std::move(hosted.value()));
     runner_ = core.find(record.id);
@@ -120,7 +125,7 @@ class Watched {
 
   struct Times {
     double cpuSeconds = 0.0;
-    double instructions = 0.0;
+    std::optional<double> instructions;
     std::vector<double> wallMicroseconds;
     std::uint64_t modules = 0;
   };
@@ -201,39 +206,77 @@ double medianOf(std::vector<double> values) {
   return *middle;
 }
 
-void stepWithViewers(benchmark::State& state, const Kind& kind, const std::string& axiom, bool hasQueries, int steps) {
+/// The figures of all rounds. Each ratio compares two neighbours in time.
+class Rounds {
+ public:
+  void add(const Watched::Times& without, const Watched::Times& with) {
+    alone_.push_back(medianOf(without.wallMicroseconds));
+    watched_.push_back(medianOf(with.wallMicroseconds));
+    wall_.push_back(watched_.back() / alone_.back());
+    cpu_.push_back(with.cpuSeconds / without.cpuSeconds);
+    if (with.instructions && without.instructions) {
+      instructions_.push_back(*with.instructions / *without.instructions);
+    }
+  }
+  void addNoise(const Watched::Times& first, const Watched::Times& second) {
+    noise_.push_back(std::max(second.cpuSeconds / first.cpuSeconds, first.cpuSeconds / second.cpuSeconds));
+  }
+
+  void report(benchmark::State& state) const {
+    state.SetIterationTime(medianOf(watched_) * 1e-6);
+    state.counters["alone us"] = medianOf(alone_);
+    state.counters["viewers cpu ratio"] = medianOf(cpu_);
+    state.counters["viewers wall ratio"] = medianOf(wall_);
+    state.counters["alone cpu ratio"] = medianOf(noise_);
+    if (!instructions_.empty()) {
+      state.counters["viewers instruction ratio"] = medianOf(instructions_);
+    }
+  }
+
+ private:
+  std::vector<double> alone_;         // median microseconds of a step, a round
+  std::vector<double> watched_;       // the same with viewers
+  std::vector<double> wall_;          // quotients
+  std::vector<double> cpu_;           // the same of the thread's processor time
+  std::vector<double> noise_;         // the same of two runs without viewers, the larger over the smaller
+  std::vector<double> instructions_;  // the same; empty: the system does not count them
+};
+
+void stepWithViewers(benchmark::State& state, const Kind& kind, const std::string& axiom, bool hasQueries, int steps,
+                     int roundCount) {
   server::ServerOptions options;
   options.logLevel = "off";
   server::ServerCore core(options);
   Watched alone(core, axiom, hasQueries);
   Watched watched(core, axiom, hasQueries);
   for (auto _ : state) {
-    const Watched::Times without = alone.step(steps);
-    watched.watch(kind);
-    const Watched::Times with = watched.step(steps);
-    watched.end();
-    const double wall = medianOf(with.wallMicroseconds);
-    state.SetIterationTime(wall * 1e-6);
-    state.counters["modules"] = static_cast<double>(with.modules);
-    state.counters["alone us"] = medianOf(without.wallMicroseconds);
-    state.counters["cpu us"] = with.cpuSeconds * 1e6 / steps;
-    state.counters["viewers cpu ratio"] = with.cpuSeconds / without.cpuSeconds;
-    state.counters["viewers instruction ratio"] =
-        without.instructions > 0 ? with.instructions / without.instructions : 0;
-    state.counters["viewers wall ratio"] = wall / medianOf(without.wallMicroseconds);
+    Rounds rounds;
+    for (int round = 0; round < roundCount; ++round) {
+      const Watched::Times without = alone.step(steps);
+      watched.watch(kind);
+      const Watched::Times with = watched.step(steps);
+      watched.end();
+      rounds.add(without, with);
+      rounds.addNoise(without, watched.step(steps));
+      state.counters["modules"] = static_cast<double>(with.modules);
+    }
+    rounds.report(state);
   }
 }
 
 const bool kIsRegistered = [] {
   for (const Kind& kind : kKinds) {
-    for (const auto& [size, axiom, steps] :
-         {std::tuple("7000", "S(9)S(7)S(6)", 2000), std::tuple("1000000", "S(16)S(15)", 100)}) {
+    for (const auto& [size, axiom, steps, rounds] : {std::tuple("7000", "S(9)S(7)S(6)", 10'000, kRounds),
+                                                     std::tuple("1000000", "S(16)S(15)", 100, kRoundsOfLarge)}) {
       for (const bool hasQueries : {false, true}) {
+        // a step that asks the environment takes twenty times as long
+        const int count = hasQueries ? steps / 10 : steps;
         const std::string name = std::string("viewers/") + kind.name + "/" + size + (hasQueries ? "/queries" : "");
-        benchmark::RegisterBenchmark(name.c_str(),
-                                     [kind, axiom = axiom, hasQueries, steps = steps](benchmark::State& state) {
-                                       stepWithViewers(state, kind, axiom, hasQueries, steps);
-                                     })
+        benchmark::RegisterBenchmark(
+            name.c_str(),
+            [kind, axiom = axiom, hasQueries, count, rounds = rounds](benchmark::State& state) {
+              stepWithViewers(state, kind, axiom, hasQueries, count, rounds);
+            })
             ->Unit(benchmark::kMicrosecond)
             ->UseManualTime()
             ->Iterations(1);
