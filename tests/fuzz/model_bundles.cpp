@@ -4,6 +4,9 @@
 #include <fstream>
 #include <iterator>
 
+#include "engine/core/streams.h"
+#include "engine/language/compiler.h"
+#include "engine/language/dialects/dialect.h"
 #include "tests/fuzz/bundle.h"
 
 namespace espalier::fuzz {
@@ -29,7 +32,8 @@ std::string bundleOf(const std::vector<fs::path>& files, const fs::path& mainFil
   return text;
 }
 
-ModelBundle bundleOf(const fs::path& folder) {
+/// The files of a folder that a bundle may have, by name.
+std::vector<fs::path> filesOf(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
@@ -39,6 +43,11 @@ ModelBundle bundleOf(const fs::path& folder) {
     }
   }
   std::sort(files.begin(), files.end());
+  return files;
+}
+
+ModelBundle bundleOf(const fs::path& folder) {
+  const std::vector<fs::path> files = filesOf(folder);
   const auto withSuffix = [&](const char* suffix) {
     const auto isIt = [&](const fs::path& file) { return file.extension() == suffix; };
     const auto found = std::find_if(files.begin(), files.end(), isIt);
@@ -65,6 +74,39 @@ std::vector<ModelBundle> modelBundles(const fs::path& below) {
   }
   std::sort(bundles.begin(), bundles.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
   return bundles;
+}
+
+std::vector<NamedText> foreignModels(const fs::path& below) {
+  std::vector<NamedText> models;
+  for (const auto& folder : fs::directory_iterator(below)) {
+    if (!folder.is_directory()) {
+      continue;
+    }
+    for (const fs::path& file : filesOf(folder.path())) {
+      core::MemoryFileProvider provider;
+      provider.add(file.filename().string(), contentOf(file));
+      language::CompileInput input;
+      input.modelFile = file.filename().string();
+      const bool isText = file.extension() == ".txt" || file.extension() == ".lsv" || file.extension() == ".l";
+      if (isText && language::translateForeign(input, provider)) {
+        models.push_back({folder.path().filename().string() + "-" + file.filename().string(), contentOf(file)});
+      }
+    }
+  }
+  std::sort(models.begin(), models.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  return models;
+}
+
+std::vector<NamedText> forestBundles(const fs::path& below) {
+  std::vector<NamedText> forests;
+  for (const auto& folder : fs::directory_iterator(below)) {
+    const fs::path forest = folder.path() / "forest.json";
+    if (fs::exists(forest)) {
+      forests.push_back({folder.path().filename().string(), bundleOf(filesOf(folder.path()), forest)});
+    }
+  }
+  std::sort(forests.begin(), forests.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  return forests;
 }
 
 }  // namespace espalier::fuzz

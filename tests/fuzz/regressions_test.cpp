@@ -2,8 +2,13 @@
 
 #include <filesystem>
 #include <random>
+#include <set>
 #include <string>
+#include <string_view>
 
+#include "engine/core/streams.h"
+#include "engine/language/compiler.h"
+#include "engine/language/dialects/dialect.h"
 #include "engine/language/view/view_file.h"
 #include "tests/fuzz/bundle.h"
 #include "tests/fuzz/model_bundles.h"
@@ -133,6 +138,55 @@ TEST(FuzzRegressions, DeepNestingIsRefusedNotFollowed) {
     for (const NamedTarget& target : kTargets) {
       EXPECT_NO_THROW(target.run(text));
     }
+  }
+}
+
+// what the fuzzers of models and of forests begin with, also with a changed byte
+TEST(FuzzSeeds, FilesOfOtherProgramsAndForestsAreAnswered) {
+  const std::filesystem::path gallery = std::filesystem::path(sourceFolder()) / "clients/gallery";
+  std::mt19937 random(1);
+  const auto answered = [&random](Target target, std::string text) {
+    EXPECT_NO_THROW(target(text));
+    for (int round = 0; round < 5 && !text.empty(); ++round) {
+      text[random() % text.size()] ^= static_cast<char>(1U << (random() % 8U));
+      EXPECT_NO_THROW(target(text)) << text;
+    }
+  };
+  std::set<std::string_view> found;
+  for (const NamedText& model : foreignModels(gallery)) {
+    SCOPED_TRACE(model.name);
+    core::MemoryFileProvider files;
+    files.add("model.l", model.text);
+    language::CompileInput input;
+    input.modelFile = "model.l";
+    const auto translated = language::translateForeign(input, files);
+    ASSERT_TRUE(translated);
+    found.insert(translated->dialect->name);
+    answered(fuzzCompile, model.text);
+    answered(fuzzDerivation, model.text);
+  }
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::filesystem::path(sourceFolder()) / "tests/fuzz/seeds/compile")) {
+    SCOPED_TRACE(entry.path().string());
+    core::MemoryFileProvider files;
+    files.add("model.l", contentOf(entry.path()));
+    language::CompileInput input;
+    input.modelFile = "model.l";
+    EXPECT_TRUE(language::compile(input, files).program != nullptr);
+    const auto translated = language::translateForeign(input, files);
+    ASSERT_TRUE(translated);
+    found.insert(translated->dialect->name);
+    answered(fuzzCompile, contentOf(entry.path()));
+  }
+  // every dialect that the program reads
+  for (const language::Dialect& dialect : language::dialects()) {
+    EXPECT_TRUE(found.contains(dialect.name)) << dialect.name;
+  }
+  const std::vector<NamedText> forests = forestBundles(gallery);
+  EXPECT_GE(forests.size(), 2U);
+  for (const NamedText& forest : forests) {
+    SCOPED_TRACE(forest.name);
+    answered(fuzzForest, forest.text);
   }
 }
 

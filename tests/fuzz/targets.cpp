@@ -1,5 +1,6 @@
 #include "tests/fuzz/targets.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "engine/core/limits.h"
 #include "engine/core/streams.h"
 #include "engine/language/compiler.h"
+#include "engine/language/dialects/dialect.h"
 #include "engine/language/format/disassembler.h"
 #include "engine/language/preprocess/preprocessor.h"
 #include "engine/language/view/view_file.h"
@@ -33,10 +35,12 @@ void formatAll(const core::DiagnosticList& diagnostics) {
   }
 }
 
-language::CompileResult compileBundle(std::string_view text, core::Compatibility compatibility) {
+/// `entry`: one of several models in the file; empty: the file itself.
+language::CompileResult compileBundle(std::string_view text, core::Compatibility compatibility,
+                                      const std::string& entry = {}) {
   core::MemoryFileProvider files = unbundle(text, kModel);
   language::CompileInput input;
-  input.modelFile = kModel;
+  input.modelFile = kModel + (entry.empty() ? "" : ":" + entry);
   input.viewFile = files.read(kView) ? kView : "";
   input.compatibility = compatibility;
   input.limits = smallLimits();
@@ -70,6 +74,15 @@ void fuzzCompile(std::string_view text) {
     if (result.program != nullptr) {
       ESPALIER_CHECK(!language::disassemble(*result.program).empty());
     }
+  }
+  // files of other programs may hold several models
+  constexpr std::size_t kMostEntries = 4;
+  core::MemoryFileProvider files = unbundle(text, kModel);
+  language::CompileInput input;
+  input.modelFile = kModel;
+  const std::vector<std::string> entries = language::entriesOf(input, files);
+  for (std::size_t i = 0; i < std::min(entries.size(), kMostEntries); ++i) {
+    (void)compileBundle(text, core::Compatibility::Espalier, entries[i]);
   }
 }
 

@@ -10,7 +10,7 @@ namespace espalier::fuzz {
 using Target = void (*)(std::string_view text);
 
 void fuzzPreprocessor(std::string_view text);
-void fuzzCompile(std::string_view text);     // a model, in every mode; what compiles is disassembled
+void fuzzCompile(std::string_view text);     // a file of models, in every mode; what compiles is disassembled
 void fuzzViewFile(std::string_view text);    // a view file with the files it names, in the Espalier and the Cpfg mode
 void fuzzDerivation(std::string_view text);  // a model, a few steps and its scene, within small limits; then a snapshot
 void fuzzMessages(std::string_view bytes);   // the wire: bytes cut into messages, every decoder; text and blocks agree
@@ -20,6 +20,7 @@ void fuzzString(std::string_view text);      // a bundle of a string and its mod
 void fuzzMtg(std::string_view text);         // a multiscale tree graph, read into strings
 void fuzzPoints(std::string_view bytes);     // a point cloud: LAS or PLY
 void fuzzTerrain(std::string_view bytes);    // a GeoTIFF of heights
+void fuzzForest(std::string_view text);      // a forest file with its models: read, placed, a few steps
 void fuzzRoots(std::string_view text);       // a root system: RSML, or a table; its model
 void fuzzVti(std::string_view text);         // image data of VTK, as an environment begins with them
 
@@ -41,6 +42,7 @@ inline constexpr NamedTarget kTargets[] = {
     {"points", fuzzPoints},
     {"terrain", fuzzTerrain},
     {"vti", fuzzVti},
+    {"forest", fuzzForest},
 };
 
 }  // namespace espalier::fuzz

@@ -57,6 +57,14 @@ int main(int argumentCount, char** arguments) {
       writeSeedsOf(bundle, arguments[2]);
     }
   }
+  for (const NamedText& model : foreignModels(source / "clients/gallery")) {
+    for (const char* program : {"fuzz_compile", "fuzz_derivation"}) {
+      writeSeed(arguments[2], program, model.name, model.text);
+    }
+  }
+  for (const NamedText& forest : forestBundles(source / "clients/gallery")) {
+    writeSeed(arguments[2], "fuzz_forest", forest.name, forest.text);
+  }
   for (const auto& entry : fs::recursive_directory_iterator(source / "tests/fuzz/seeds")) {
     if (entry.is_regular_file()) {
       const std::string program = "fuzz_" + entry.path().parent_path().filename().string();
