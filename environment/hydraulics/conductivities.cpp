@@ -1,10 +1,19 @@
 #include "environment/hydraulics/conductivities.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "environment/base/number_text.h"
 
 namespace espalier::environment {
+
+double vesselConductance(double count, double radius) {
+  constexpr double kWeight = 998.2 * 9.80665;  // of a cubic metre of water, N
+  constexpr double kViscosity = 1.0016e-3;     // Pa s
+  constexpr double kSecondsPerDay = 86400.0;
+  const double square = radius * radius;
+  return count * std::numbers::pi * square * square * kWeight / (8.0 * kViscosity) * kSecondsPerDay;
+}
 
 ConductivityTable::ConductivityTable(double constant, const ConfigurationRows& rows)
     : constant_(constant), rows_(rows) {}

@@ -8,6 +8,10 @@
 
 namespace espalier::environment {
 
+/// Axial conductance of so many vessels of a radius in metres, by Hagen (1839) and Poiseuille (1846): N π r⁴ ρg/8μ with
+/// water at 20 °C (998.2 kg/m³, 1.0016 mPa s), in m³/day for a fall of the head of 1 along a length of 1.
+[[nodiscard]] double vesselConductance(double count, double radius);
+
 /// A conductivity of roots by order and age: rows of order, age in days and value.
 class ConductivityTable {
  public:

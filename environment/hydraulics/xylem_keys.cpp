@@ -121,6 +121,12 @@ constexpr std::array kWaterKeys{
                      .description = "order, age (day) and axial conductance (length^3/day), as krTable; none: kx",
                      .minimumCount = 3,
                      .maximumCount = 3},
+    ConfigurationKey{.name = "vessels",
+                     .kind = KeyKind::Rows,
+                     .description = "in place of kx: order, age (day), number of vessels and their radius (µm), as "
+                                    "krTable; their conductance is that of Hagen and Poiseuille, at 20 °C",
+                     .minimumCount = 4,
+                     .maximumCount = 4},
     ConfigurationKey{.name = "radius",
                      .description = "radius of all segments; 0: half the width that the model sets for the segment",
                      .unit = "length",
@@ -260,12 +266,29 @@ LeafKeys readLeafKeys(const Configuration& configuration) {
 
 }  // namespace
 
+namespace {
+
+/// The rows of `vessels` as order, age and conductance in m³/day.
+ConfigurationRows conductancesOf(const ConfigurationRows& vessels) {
+  ConfigurationRows rows;
+  for (const auto& row : vessels) {
+    rows.push_back({row[0], row[1], vesselConductance(row[2], row[3] * 1e-6)});
+  }
+  return rows;
+}
+
+}  // namespace
+
 XylemKeys readXylem(const Configuration& configuration) {
   XylemKeys keys;
   keys.leafGas = readLeafKeys(configuration);
   keys.radial = ConductivityTable(configuration.number("kr"), configuration.rows("krTable"));
   keys.axial = ConductivityTable(configuration.number("kx"), configuration.rows("kxTable"));
   keys.hasOwnAxial = configuration.isGiven("kx") || !configuration.rows("kxTable").empty();
+  if (const auto& vessels = configuration.rows("vessels"); !vessels.empty()) {
+    keys.axial = ConductivityTable(0.0, conductancesOf(vessels));
+    keys.hasOwnAxial = false;  // converted from metres
+  }
   keys.radius = configuration.number("radius");
   keys.join = configuration.number("join");
   keys.groundHeight = configuration.number("groundHeight");
@@ -291,17 +314,23 @@ XylemKeys readXylem(const Configuration& configuration) {
 
 std::vector<core::Diagnostic> checkXylem(const Configuration& configuration) {
   std::vector<core::Diagnostic> errors;
-  for (const std::string key : {"krTable", "kxTable"}) {
-    const auto& rows = configuration.rows(key);
+  const auto& vessels = configuration.rows("vessels");
+  for (const std::string key : {"krTable", "kxTable", "vessels"}) {
+    const ConfigurationRows rows = key == "vessels" ? conductancesOf(vessels) : configuration.rows(key);
     if (const std::string problem = ConductivityTable::problemOf(rows); !problem.empty()) {
       errors.push_back(wrongXylem("'" + key + "' " + problem,
                                   "write rows of order, age and conductivity, by order and then by age"));
     }
-    for (std::size_t i = 0; key == "kxTable" && i < rows.size(); ++i) {
-      if (rows[i][2] == 0.0) {
-        errors.push_back(wrongXylem("'kxTable' has the conductance 0 in row " + std::to_string(i),
+    for (std::size_t i = 0; key != "krTable" && i < rows.size(); ++i) {
+      if (!(rows[i][2] > 0.0) || (key == "vessels" && !(vessels[i][2] > 0.0 && vessels[i][3] > 0.0))) {
+        errors.push_back(wrongXylem("'" + key + "' has the conductance 0 in row " + std::to_string(i),
                                     "water must be able to flow along a root: write a number above 0"));
       }
+    }
+  }
+  for (const std::string key : {"kx", "kxTable"}) {
+    if (!vessels.empty() && configuration.isGiven(key)) {
+      errors.push_back(wrongXylem("'vessels' and '" + key + "' both say what the xylem conducts", "give one of them"));
     }
   }
   for (const auto& [key, what] :

@@ -115,6 +115,20 @@ TEST(Xylem, ConductivitiesFollowOrderAndAge) {
   }
 }
 
+TEST(Xylem, VesselsConductByHagenAndPoiseuille) {
+  // N π r⁴ ρg/8μ with water at 20 °C: 0.05305637 cm³/day of a vessel of 20 µm, 12.435087 of six of 50 µm
+  const auto conductanceOf = [](const std::string& keys) {
+    const auto process = openProcess("xylem", R"({"collar":"head","kr":0.01,)" + keys + "}", centimetres());
+    return *answersOf(*process, RootDrawing().root({0, 0, 0}, 20, 2, 0.1, kTen).queries())[0][kConductance];
+  };
+  for (const auto& [vessels, kx] : {std::pair<std::string, std::string>{"[[1,0,1,20]]", "0.05305637"},
+                                    {"[[1,0,6,50]]", "12.435087"},
+                                    {"[[0,0,1,1],[1,0,6,50],[2,0,1,1]]", "12.435087"}}) {
+    const double expected = conductanceOf("\"kx\":" + kx);
+    EXPECT_NEAR(conductanceOf("\"vessels\":" + vessels) / expected, 1.0, 1e-7) << vessels;
+  }
+}
+
 TEST(Xylem, NothingIsTakenUpAboveTheGround) {
   // a stem of 30 cm: its leaf draws 0.02 cm³/day through a root of 20 cm, and no water leaves at the collar
   std::vector<double> leaf(10, 0.0);
