@@ -64,7 +64,7 @@ std::string expectedText(const ConfigurationKey& key) {
     case KeyKind::Text:
       return "a text";
     case KeyKind::Numbers:
-      return "a list of " + countText(key);
+      return "a list of " + countText(key) + (key.isNumberAllowed ? ", or a number" : "");
     case KeyKind::Rows:
       return "a list of lists of " + countText(key);
     case KeyKind::Entries:
@@ -171,7 +171,8 @@ class ConfigurationReader {
   std::optional<std::vector<double>> readNumbers(const ConfigurationKey& key, const std::string& path,
                                                  const json& value) {
     if (!value.is_array()) {
-      addWrongType(key, path, "a list of " + countText(key), value);
+      const bool isList = key.kind == KeyKind::Numbers;
+      addWrongType(key, path, isList ? expectedText(key) : "a list of " + countText(key), value);
       return std::nullopt;
     }
     if (value.size() < key.minimumCount || value.size() > key.maximumCount) {
@@ -235,6 +236,10 @@ class ConfigurationReader {
         }
         break;
       case KeyKind::Numbers: {
+        if (key.isNumberAllowed && value.is_number()) {
+          const auto number = readNumber(key, path, value);
+          return number ? std::optional<ConfigurationValue>(std::vector{*number}) : std::nullopt;
+        }
         auto numbers = readNumbers(key, path, value);
         return numbers ? std::optional<ConfigurationValue>(std::move(*numbers)) : std::nullopt;
       }
@@ -325,6 +330,11 @@ json keySchema(const ConfigurationKey& key) {
       break;
     case KeyKind::Numbers:
       schema = listSchema(key);
+      if (key.isNumberAllowed) {
+        // bounds of a number do not hold for a list
+        schema.update(numberSchema(key));
+        schema["type"] = json::array({"array", "number"});
+      }
       break;
     case KeyKind::Rows:
       schema = {{"type", "array"}, {"items", listSchema(key)}};

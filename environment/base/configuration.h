@@ -44,6 +44,7 @@ struct ConfigurationKey {
   std::span<const std::string_view> choices{};  // Choice
   std::size_t minimumCount = 0;                 // Numbers: of the list; Rows: of each row
   std::size_t maximumCount = std::numeric_limits<std::size_t>::max();
+  bool isNumberAllowed = false;  // Numbers: a number stands for a list of one
 };
 
 using ConfigurationRows = std::vector<std::vector<double>>;

@@ -37,6 +37,10 @@ TEST(IdleKeys, AreNamedWithTheKeyThatSwitchesThemOff) {
             Messages{"environment process 'light': 'diffuseIrradiance' has no effect, because 'sun' is position"});
   EXPECT_EQ(messagesOf("light-voxels", R"({"reflectance":0.1})"),
             Messages{"environment process 'light-voxels': 'reflectance' has no effect, because 'scattering' is false"});
+  EXPECT_EQ(messagesOf("light-voxels", R"({"irradiance":5,"sun":"direction","sunDirection":[1,1,0]})"),
+            Messages{"environment process 'light-voxels': 'irradiance' has no effect, because 'sun' is direction"});
+  EXPECT_EQ(messagesOf("light-voxels", R"({"unit":"umol","method":"shadow"})"),
+            Messages{"environment process 'light-voxels': 'unit' has no effect, because 'method' is shadow"});
 }
 
 TEST(IdleKeys, AreFoundInsideOtherEnvironments) {

@@ -57,6 +57,22 @@ def configuration(draw: random.Random, process: Mapping[str, Any]) -> Dict[str, 
     return {**made, "type": process["name"]}
 
 
+def world(draw: random.Random) -> Dict[str, Any]:
+    """A place, a time and weather, or less of them."""
+    made: Dict[str, Any] = {}
+    if draw.random() < 0.5:
+        made.update(latitude=draw.choice((0, 51, 90, -89.9)), longitude=draw.choice((0, 7, -180)),
+                    start=draw.choice(("2026-06-21T12:00", "2026-12-21", "2024-02-29T23:59Z")))
+    if draw.random() < 0.5:
+        made["stepDuration"] = draw.choice((1, "1 h", "30 min", 40, 1e-6))
+    if draw.random() < 0.4:
+        head = draw.choice(("global", "global,diffuse", "direct,diffuse", "direct", "temperature"))
+        rows = [f"{day}" + "".join(f",{draw.choice((0, 1, 50))}" for _ in head.split(","))
+                for day in draw.choice(((0, 1), (0, 0.5, 1, 1000)))]
+        made["weather"] = "\n".join([f"time,{head}", *rows]) + "\n"
+    return made
+
+
 def model(draw: random.Random) -> Dict[str, Any]:
     """A branching plant with polygons, whose queries send numbers at random."""
     a, b, c, d, e = (draw.choice(PLACES) for _ in range(5))

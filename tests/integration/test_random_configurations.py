@@ -58,7 +58,7 @@ class RandomConfigurations(unittest.TestCase):
                     break
                 configuration = random_configurations.configuration(draw, draw.choice(processes))
                 case = {"model": random_configurations.model(draw), "seed": 1, "environment": [configuration],
-                        "save": False}
+                        "world": random_configurations.world(draw), "save": False}
                 with self.subTest(seed=seed, number=number):
                     try:
                         stepped += self.run_case(client, case)

@@ -2,9 +2,7 @@
 // bounces between organs, in several bands of the spectrum.
 //
 // Only the rays that no change of the plants can touch outlast a step; the replies are the same without them, bit by
-// bit. With the sun by position its strength is 1361 W/m² at the mean distance, times τ^m through air of the optical
-// mass m = 1/sin(elevation). The sky has 0.3 (1 − τ^m) of the light that the sun would give a horizontal plane (Liu &
-// Jordan 1960; Campbell & Norman 1998).
+// bit. Sun and sky are those of daylight.h.
 
 #include <algorithm>
 #include <array>
@@ -20,11 +18,13 @@
 #include "environment/base/number_text.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/grid_axes.h"
-#include "environment/light/rays/daylight.h"
+#include "environment/light/daylight.h"
+#include "environment/light/daylight_keys.h"
+#include "environment/light/light_bands.h"
 #include "environment/light/rays/leaf_light.h"
-#include "environment/light/rays/light_bands.h"
 #include "environment/light/rays/light_keys.h"
 #include "environment/light/rays/plant_surfaces.h"
+#include "environment/light/rays/ray_daylight.h"
 
 namespace espalier::environment {
 
@@ -47,7 +47,11 @@ class Light final : public turtle::EnvironmentProcess {
         remainder_(configuration.number("remainder")),
         error_(configuration.number("error")),
         groundCells_(static_cast<std::uint32_t>(configuration.integer("groundCells"))),
-        daylight_(configuration) {}
+        daylight_(configuration, configuration.number("diffuseIrradiance")) {
+    for (const LightBand& band : bands_) {
+      parts_.push_back(band.part);
+    }
+  }
 
   [[nodiscard]] turtle::EnvironmentDescription describe() const override {
     turtle::EnvironmentDescription description{
@@ -199,7 +203,6 @@ class Light final : public turtle::EnvironmentProcess {
   }
   /// The unit of replies in W.
   [[nodiscard]] double unitOf(std::size_t band) const {
-    constexpr double kMolesPerDay = 0.0864;  // in a µmol/s
     return unit_ == "W"      ? 1.0
            : unit_ == "umol" ? bands_[band].photonsPerJoule
                              : bands_[band].photonsPerJoule * kMolesPerDay;
@@ -229,28 +232,29 @@ class Light final : public turtle::EnvironmentProcess {
   [[nodiscard]] tl::expected<Lit, std::string> shine(std::size_t level, const turtle::QueryBatch& queries,
                                                      const PlantSurfaces& plants, std::size_t groundBegin) {
     LeafLight& light = lightOf(level);
-    auto incoming = daylight_.at(queries.timeDays, light.directions());
-    if (!incoming) {
-      return tl::unexpected(std::move(incoming.error()));
+    auto daylight = daylight_.at(queries.timeDays);
+    if (!daylight) {
+      return tl::unexpected(std::move(daylight.error()));
     }
-    if (const std::size_t rays = sunRaysOf(level, groundBegin, incoming->suns.size()); rays > 1) {
-      repeat(incoming->suns, rays);
+    RayDaylight incoming = onRays(*daylight, skyKindOf(configuration_), parts_, light.directions(), up_);
+    if (const std::size_t rays = sunRaysOf(level, groundBegin, incoming.suns.size()); rays > 1) {
+      repeat(incoming.suns, rays);
     }
     light.setScene(plants.surfaces, scatters() ? std::vector<std::uint32_t>{} : wantedBy(queries, plants),
-                   incoming->suns);
+                   incoming.suns);
     Lit lit;
     lit.light = &light;
     const bool hasGround = plants.surfaces.triangles.size() > groundBegin;
     for (std::size_t band = 0; band < bands_.size(); ++band) {
-      std::vector<double> sky = incoming->sky;
+      std::vector<double> sky = incoming.sky;
       for (double& radiance : sky) {
         radiance *= bands_[band].part;
       }
       const std::vector<LightMaterial> materials = materialsOf(band);
       if (remainder_ > 0.0) {
         Fluxes fluxes;
-        fluxes.incoming = incoming->diffuse * bands_[band].part;
-        for (const LeafLight::Sun& sun : incoming->suns) {
+        fluxes.incoming = incoming.diffuse * bands_[band].part;
+        for (const LeafLight::Sun& sun : incoming.suns) {
           fluxes.incoming += core::dot(sun.direction, up_) * sun.irradiance[band];
         }
         LeafLight::Balance balance =
@@ -461,10 +465,11 @@ class Light final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::vector<LightMaterial> materialsOf(std::size_t number) const {
     const LightBand& band = bands_[number];
+    const double stem = numberOfBand(configuration_.numbers("stemReflectance"), number);
     std::vector<LightMaterial> materials(kGroundMaterial + 1);
     for (std::size_t colour = 0; colour < PlantSurfaces::kSegment; ++colour) {
       materials[colour] = {band.reflectance, band.transmittance};
-      materials[PlantSurfaces::kSegment + colour] = {band.stemReflectance, 0.0};
+      materials[PlantSurfaces::kSegment + colour] = {stem, 0.0};
     }
     for (const auto& row : configuration_.rows("materials")) {
       materials[static_cast<std::size_t>(row[0])] = {row[1 + 2 * number], row[2 + 2 * number]};
@@ -537,7 +542,8 @@ class Light final : public turtle::EnvironmentProcess {
   std::vector<Fluxes> fluxes_;                    // of the last step, by band; empty: not known
   Configuration configuration_;
   std::vector<LightBand> bands_;
-  std::string unit_;  // W, umol, mol
+  std::vector<double> parts_;  // of the irradiance in each band
+  std::string unit_;           // W, umol, mol
   double remainder_;
   double error_;
   std::uint32_t groundCells_;  // along each side

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <string_view>
 #include <vector>
 
@@ -11,9 +10,6 @@ namespace espalier::environment {
 
 inline constexpr std::string_view kLightSummary =
     "Sun and sky on the organs of all plants, by rays, with bounces and bands.";
-
-/// The number of a band, of a key with one number for each band or one for all.
-[[nodiscard]] double numberOfBand(const std::vector<double>& numbers, std::size_t band);
 
 /// The errors of keys that have the right kind and range: numbers that do not fit the bands, surfaces that scatter
 /// more than they get, a ground without a plot.

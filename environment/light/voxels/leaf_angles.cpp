@@ -56,6 +56,11 @@ double halfSurface(double ratio) {
 
 }  // namespace
 
+LeafAngles leafAnglesOf(std::string_view name) {
+  return static_cast<LeafAngles>(std::find(kLeafAngleNames.begin(), kLeafAngleNames.end(), name) -
+                                 kLeafAngleNames.begin());
+}
+
 double leafProjection(LeafAngles angles, double cosZenith, double ratio) {
   switch (angles) {
     case LeafAngles::Spherical:

@@ -25,6 +25,9 @@ inline constexpr std::array<std::string_view, 9> kLeafAngleNames{"spherical",   
                                                                  "planophile",   "erectophile", "plagiophile",
                                                                  "extremophile", "uniform",     "ellipsoidal"};
 
+/// The distribution with one of these names.
+[[nodiscard]] LeafAngles leafAnglesOf(std::string_view name);
+
 /// G(θ), the projection of a unit of leaf area on the plane across a ray that comes from the angle θ to the vertical
 /// (Ross 1981). `cosZenith` is |cos θ|, greater than 0 for Ellipsoidal; `ratio` is χ, used by Ellipsoidal only:
 /// Campbell's K = √(χ² + tan²θ)/Λ and G = K cos θ, with the exact Λ, the half surface of the ellipsoid over that of its

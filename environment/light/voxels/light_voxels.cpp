@@ -2,26 +2,31 @@
 // additive shadow propagation.
 //
 // The voxels are filled again in every step, so there is no state. "turbid": O(n · directions · voxels on a ray);
-// directions that no change touches are kept (turbid_memory.h). "shadow": sums over rectangles make it O(voxels + n ·
-// shadowDepth), for any number of casters.
+// directions that no change touches are kept (turbid_memory.h), but not those of a sun that moves. "shadow": sums over
+// rectangles make it O(voxels + n · shadowDepth), for any number of casters.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/core/elementary.h"
 #include "engine/turtle/field.h"
-#include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/grid_keys.h"
 #include "environment/geometry/world_up.h"
-#include "environment/light/sky.h"
+#include "environment/light/light_bands.h"
 #include "environment/light/voxels/leaf_angles.h"
 #include "environment/light/voxels/scattered_light.h"
 #include "environment/light/voxels/turbid_memory.h"
 #include "environment/light/voxels/voxel_field.h"
+#include "environment/light/voxels/voxel_keys.h"
+#include "environment/light/voxels/voxel_sources.h"
 
 namespace espalier::environment {
 
@@ -29,143 +34,13 @@ namespace {
 
 using core::Vec3;
 
-constexpr std::string_view kLightVoxelsSummary =
-    "Light in voxels: through a turbid medium of leaves, or by propagated shadows.";
-constexpr std::array<std::string_view, 2> kMethods{"turbid", "shadow"};
-constexpr std::array<std::string_view, 2> kSkies{"uniform", "overcast"};
-constexpr std::array<std::string_view, 2> kLightVoxelsSensors{"horizontal", "fluxes"};
-constexpr std::array kLightVoxelsGridSize{40.0, 40.0, 40.0};
-constexpr std::array kLightVoxelsPosition{-10.0, 0.0, -10.0};
-constexpr std::size_t kLightVoxelsMaximumCellCount = std::size_t{1} << 27;
-constexpr std::array kLightVoxelsKeys{
-    ConfigurationKey{.name = "method",
-                     .kind = KeyKind::Choice,
-                     .description = "turbid: Beer-Lambert through the leaf area density; shadow: additive shadow "
-                                    "propagation",
-                     .defaultText = "turbid",
-                     .choices = kMethods},
-    gridSizeKey(kLightVoxelsGridSize, "number of voxels along x, y, z"),
-    ConfigurationKey{.name = "voxelSize",
-                     .description = "side of a voxel, which is a cube",
-                     .unit = "length",
-                     .minimum = 0.0,
-                     .isMinimumExclusive = true,
-                     .defaultNumber = 0.5},
-    positionKey(kLightVoxelsPosition),
-    ConfigurationKey{.name = "periodic",
-                     .kind = KeyKind::Boolean,
-                     .description = "the box repeats itself without end in the horizontal directions: a stand"},
-    ConfigurationKey{.name = "sky",
-                     .kind = KeyKind::Choice,
-                     .description = "turbid: brightness of the sky; overcast is (1 + 2 cos θ)/3",
-                     .defaultText = "overcast",
-                     .choices = kSkies},
-    ConfigurationKey{.name = "zenithAngles",
-                     .kind = KeyKind::Integer,
-                     .description = "turbid: rings of the sky's directions, at Gauss points of cos θ",
-                     .minimum = 1.0,
-                     .maximum = 64.0,
-                     .defaultNumber = 6.0},
-    ConfigurationKey{.name = "azimuthAngles",
-                     .kind = KeyKind::Integer,
-                     .description = "turbid: directions in each ring",
-                     .minimum = 1.0,
-                     .maximum = 256.0,
-                     .defaultNumber = 8.0},
-    ConfigurationKey{.name = "directions",
-                     .kind = KeyKind::Rows,
-                     .description =
-                         "turbid: instead of a sky, directions x, y, z towards the light and the part of the "
-                         "irradiance of a horizontal plane that comes from there",
-                     .minimumCount = 4,
-                     .maximumCount = 4},
-    ConfigurationKey{.name = "irradiance",
-                     .description = "turbid: of a horizontal plane in the open; 1: all light is relative",
-                     .unit = "any",
-                     .minimum = 0.0,
-                     .defaultNumber = 1.0},
-    ConfigurationKey{
-        .name = "leafAngles",
-        .kind = KeyKind::Choice,
-        .description = "turbid: distribution of the leaf normals (de Wit 1965; ellipsoidal: Campbell 1986)",
-        .defaultText = "spherical",
-        .choices = kLeafAngleNames},
-    ConfigurationKey{.name = "ellipsoidRatio",
-                     .description =
-                         "turbid, ellipsoidal: horizontal over vertical axis χ; above 1 the leaves are rather "
-                         "horizontal",
-                     .minimum = 0.0,
-                     .isMinimumExclusive = true,
-                     .defaultNumber = 1.0},
-    ConfigurationKey{.name = "absorptance",
-                     .description = "turbid: part of the light that a leaf absorbs",
-                     .minimum = 0.0,
-                     .maximum = 1.0,
-                     .defaultNumber = 1.0},
-    ConfigurationKey{.name = "scattering",
-                     .kind = KeyKind::Boolean,
-                     .description = "turbid: leaves scatter light with reflectance and transmittance, and the ground "
-                                    "below the box reflects it"},
-    ConfigurationKey{.name = "reflectance",
-                     .description = "scattering: part of the light that leaves reflect",
-                     .minimum = 0.0,
-                     .maximum = 1.0,
-                     .defaultNumber = 0.08},
-    ConfigurationKey{.name = "transmittance",
-                     .description = "scattering: part of the light that passes leaves",
-                     .minimum = 0.0,
-                     .maximum = 1.0,
-                     .defaultNumber = 0.05},
-    ConfigurationKey{.name = "groundReflectance",
-                     .description = "scattering: part of the light that the ground reflects",
-                     .minimum = 0.0,
-                     .maximum = 1.0,
-                     .defaultNumber = 0.1},
-    ConfigurationKey{.name = "remainder",
-                     .description = "scattering: part of the light that may be left when it ends",
-                     .minimum = 0.0,
-                     .maximum = 0.1,
-                     .isMinimumExclusive = true,
-                     .defaultNumber = 1e-4},
-    ConfigurationKey{.name = "sensor",
-                     .kind = KeyKind::Choice,
-                     .description = "scattering: the answer to a query with a leaf area of 0: light on a horizontal "
-                                    "plane, or the fluxes of the stand",
-                     .defaultText = "horizontal",
-                     .choices = kLightVoxelsSensors},
-    ConfigurationKey{.name = "leafAreaDensity",
-                     .kind = KeyKind::Numbers,
-                     .description =
-                         "turbid: leaf area per volume of every voxel, x fastest, then y, then z, of plants that are "
-                         "not simulated; a \"fieldFile\" brings it; none: there are none",
-                     .unit = "1/length",
-                     .minimum = 0.0},
-    ConfigurationKey{.name = "fullLight",
-                     .description = "shadow: C, the light without shadow",
-                     .minimum = 0.0,
-                     .defaultNumber = 1.0},
-    ConfigurationKey{.name = "shadowStrength",
-                     .description = "shadow: a, the shadow in the own voxel",
-                     .minimum = 0.0,
-                     .defaultNumber = 0.2},
-    ConfigurationKey{.name = "shadowBase",
-                     .description = "shadow: b, by which the shadow is weaker with every voxel further down",
-                     .minimum = 1.0,
-                     .defaultNumber = 2.0},
-    ConfigurationKey{.name = "shadowDepth",
-                     .kind = KeyKind::Integer,
-                     .description = "shadow: how many voxels down it reaches",
-                     .minimum = 0.0,
-                     .maximum = 1000.0,
-                     .defaultNumber = 8.0},
-};
+constexpr std::size_t kAnswers = 5;  // to a query, of each band
 
-/// A direction of the light with its extinction in the medium.
-struct Beam {
-  Vec3 direction;
-  double weight = 0.0;      // part of the irradiance of a horizontal plane
-  double extinction = 0.0;  // √α G, per leaf area density and length
-  double perLeaf = 0.0;     // √α G/cos θ times the weight
+/// What bands with leaves of the same absorptance have in common: extinction of the light of each source.
+struct Medium {
+  double dimming = 1.0;             // √α (Goudriaan 1977); with scattering 1
+  std::vector<double> extinctions;  // √α G, per leaf area density and length (sources)
+  std::vector<double> perLeaf;      // √α G/cos θ times the weight (sources)
 };
 
 class LightVoxels final : public turtle::EnvironmentProcess {
@@ -175,12 +50,16 @@ class LightVoxels final : public turtle::EnvironmentProcess {
         configuration_(configuration),
         isTurbid_(configuration.text("method") == "turbid"),
         isFluxSensor_(configuration.text("sensor") == "fluxes"),
-        irradiance_(configuration.number("irradiance")),
+        unit_(configuration.text("unit")),
         fullLight_(configuration.number("fullLight")),
-        strength_(configuration.number("shadowStrength")) {
+        strength_(configuration.number("shadowStrength")),
+        sources_(configuration) {
     const double base = configuration.number("shadowBase");
     for (std::int64_t q = 0; q <= configuration.integer("shadowDepth"); ++q) {
       shadowOf_.push_back(strength_ * core::pow(base, -static_cast<double>(q)));
+    }
+    if (isTurbid_) {
+      makeMedia();
     }
   }
 
@@ -192,13 +71,19 @@ class LightVoxels final : public turtle::EnvironmentProcess {
         .summary = std::string(kLightVoxelsSummary),
         .needs = {.position = true, .parameters = true},
         .inputs = {{isTurbid_ ? "leafArea" : "castsShadow", isTurbid_ ? area : "1", ""}},
-        .outputs = {{"light", "1", ""},
-                    {"directionX", perLength, ""},
-                    {"directionY", perLength, ""},
-                    {"directionZ", perLength, ""}},
+        .outputs = {},
         .isStateful = false};
-    if (isTurbid_) {
-      description.outputs.push_back({"absorbed", "1", ""});
+    const std::string unit = lightUnit();
+    const std::string gradient = unit == "1" ? perLength : unit + "/" + lengthUnit_;
+    for (std::size_t band = 0; band < std::max<std::size_t>(bands_.size(), 1); ++band) {
+      const std::string number = numberOf(band);
+      description.outputs.push_back({"light" + number, unit, ""});
+      for (const char* name : {"directionX", "directionY", "directionZ"}) {
+        description.outputs.push_back({name + number, gradient, ""});
+      }
+      if (isTurbid_) {
+        description.outputs.push_back({"absorbed" + number, unit, ""});
+      }
     }
     return description;
   }
@@ -210,7 +95,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     }
     lengthUnit_ = context.world.lengthUnit;
     up_ = core::normalised(context.world.up);
-    scattered_.reset();
+    scattered_.clear();
     field_ = VoxelField(shape_, *axes);
     memory_.clear();
     background_.clear();
@@ -220,14 +105,31 @@ class LightVoxels final : public turtle::EnvironmentProcess {
       eachVoxel(
           [&](const Vec3& middle) { background_[*field_.indexOf(field_.voxelOf(middle))] = densities[number++]; });
     }
-    return isTurbid_ ? makeBeams(core::normalised(context.world.up)) : std::nullopt;
+    if (!isTurbid_) {
+      return std::nullopt;
+    }
+    if (const auto problem = sources_.open(context.world)) {
+      return turtle::EnvironmentError{"Environment 'light-voxels' " + *problem, false};
+    }
+    keptDirections_.clear();
+    for (std::size_t i = 0; i < media_.size() * sources_.fixedCount(); ++i) {
+      keptDirections_.push_back(sources_.all()[i % sources_.fixedCount()].direction);
+    }
+    dim();
+    return std::nullopt;
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
+    if (isTurbid_) {
+      if (const auto problem = sources_.begin(queries.timeDays)) {
+        return turtle::EnvironmentError{"Environment 'light-voxels' " + *problem, false};
+      }
+      dim();
+    }
     fill(queries);
     if (isTurbid_) {
-      memory_.begin(field_, shape_, directions_);
+      memory_.begin(field_, shape_, keptDirections_);
       scatter();
     } else {
       field_.sumLayers();
@@ -247,21 +149,31 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] std::vector<turtle::Field> fields() const override {
-    turtle::Field light{"light", "1", {}, shape_.position, {}, {}};
+    turtle::Field empty{"", "1", {}, shape_.position, {}, {}};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      light.cells[axis] = static_cast<std::size_t>(shape_.cells[axis]);
+      empty.cells[axis] = static_cast<std::size_t>(shape_.cells[axis]);
     }
-    light.cellSize = {shape_.voxelSize, shape_.voxelSize, shape_.voxelSize};
-    turtle::Field content = light;
+    empty.cellSize = {shape_.voxelSize, shape_.voxelSize, shape_.voxelSize};
+    std::vector<turtle::Field> fields;
+    for (std::size_t band = 0; band < std::max<std::size_t>(bands_.size(), 1); ++band) {
+      turtle::Field light = empty;
+      light.name = "light" + numberOf(band);
+      light.unit = lightUnit();
+      eachVoxel([&](const Vec3& middle) {
+        light.values.push_back(isTurbid_ ? scaleOf(band) * lightAt(middle, band)
+                                         : std::max(fullLight_ - shadowAt(middle), 0.0));
+      });
+      fields.push_back(std::move(light));
+    }
+    turtle::Field content = empty;
     content.name = isTurbid_ ? "leafAreaDensity" : "casters";
     content.unit = isTurbid_ ? "1/" + lengthUnit_ : "1";
     eachVoxel([&](const Vec3& middle) {
       content.values.push_back(field_.values()[*field_.indexOf(field_.voxelOf(middle))]);
-      light.values.push_back(isTurbid_ ? irradiance_ * lightAt(middle) : std::max(fullLight_ - shadowAt(middle), 0.0));
     });
-    std::vector<turtle::Field> fields{std::move(light), std::move(content)};
-    if (scattered_) {
-      addFluxFields(fields);
+    fields.push_back(std::move(content));
+    for (std::size_t band = 0; band < scattered_.size(); ++band) {
+      addFluxFields(band, fields);
     }
     return fields;
   }
@@ -280,31 +192,85 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     }
   }
 
+  /// The bands, and a medium for each absorptance among them.
+  void makeMedia() {
+    const bool isScattering = configuration_.flag("scattering");
+    const bool isFromSpectra =
+        !configuration_.rows("bandLimits").empty() && !configuration_.isGiven("absorptance") && !isScattering;
+    bands_ = bandsOf(configuration_);
+    for (std::size_t band = 0; band < bands_.size(); ++band) {
+      const double absorptance = isFromSpectra ? 1.0 - bands_[band].reflectance - bands_[band].transmittance
+                                               : numberOfBand(configuration_.numbers("absorptance"), band);
+      const double dimming = std::sqrt(std::max(absorptance, 0.0));
+      const auto same = std::find_if(media_.begin(), media_.end(), [&](const auto& m) { return m.dimming == dimming; });
+      mediumOf_.push_back(static_cast<std::size_t>(same - media_.begin()));
+      if (same == media_.end()) {
+        media_.push_back({dimming, {}, {}});
+      }
+    }
+  }
+
+  /// Sets the extinctions of the sources of this step.
+  void dim() {
+    for (Medium& medium : media_) {
+      medium.extinctions.clear();
+      medium.perLeaf.clear();
+      for (const VoxelSources::Source& source : sources_.all()) {
+        const double extinction = medium.dimming * source.projection;
+        medium.extinctions.push_back(extinction);
+        medium.perLeaf.push_back(extinction / source.cosine * source.weight);
+      }
+    }
+  }
+
+  /// Of a band in names: nothing when there is only one.
+  [[nodiscard]] std::string numberOf(std::size_t band) const {
+    return bands_.size() <= 1 ? std::string() : std::to_string(band + 1);
+  }
+  [[nodiscard]] std::string lightUnit() const {
+    if (!isTurbid_ || unit_ == "relative") {
+      return "1";
+    }
+    return unit_ == "umol" ? "umol/(m^2 s)" : unit_ == "mol" ? "mol/(m^2 day)" : sources_.isInWatts() ? "W/m^2" : "1";
+  }
+  /// What the relative light of a band is multiplied with in replies.
+  [[nodiscard]] double scaleOf(std::size_t band) const {
+    if (unit_ == "relative") {
+      return sources_.irradiance();
+    }
+    const double watts = sources_.irradiance() * bands_[band].part;
+    return unit_ == "W"      ? watts
+           : unit_ == "umol" ? watts * bands_[band].photonsPerJoule
+                             : watts * (bands_[band].photonsPerJoule * kMolesPerDay);
+  }
+
   /// Scatters the light of this step.
   void scatter() {
-    scattered_.reset();
+    scattered_.clear();
     if (!configuration_.flag("scattering")) {
       return;
     }
     std::vector<ScatteredLight::Beam> beams;
-    for (const Beam& beam : beams_) {
-      beams.push_back({beam.direction, beam.weight, beam.extinction});
+    for (const VoxelSources::Source& source : sources_.all()) {
+      beams.push_back({source.direction, source.weight, source.projection});
     }
-    const ScatteredLight::Options options{.leafAngles = leafAngles(),
-                                          .ellipsoidRatio = configuration_.number("ellipsoidRatio"),
-                                          .reflectance = configuration_.number("reflectance"),
-                                          .transmittance = configuration_.number("transmittance"),
-                                          .groundReflectance = configuration_.number("groundReflectance"),
-                                          .remainder = configuration_.number("remainder"),
-                                          .zenithAngles = static_cast<int>(configuration_.integer("zenithAngles")),
-                                          .azimuthAngles = static_cast<int>(configuration_.integer("azimuthAngles"))};
-    scattered_.emplace(field_, options, up_, beams);
+    for (const LightBand& band : bands_) {
+      const ScatteredLight::Options options{.leafAngles = leafAnglesOf(configuration_.text("leafAngles")),
+                                            .ellipsoidRatio = configuration_.number("ellipsoidRatio"),
+                                            .reflectance = band.reflectance,
+                                            .transmittance = band.transmittance,
+                                            .groundReflectance = band.groundReflectance,
+                                            .remainder = configuration_.number("remainder"),
+                                            .zenithAngles = static_cast<int>(configuration_.integer("zenithAngles")),
+                                            .azimuthAngles = static_cast<int>(configuration_.integer("azimuthAngles"))};
+      scattered_.emplace_back(field_, options, up_, beams);
+    }
   }
 
   /// The fluxes of the stand as fields of one cell over the box.
-  void addFluxFields(std::vector<turtle::Field>& fields) const {
-    const ScatteredLight::Fluxes& fluxes = scattered_->fluxes();
-    turtle::Field field{"", "1", {}, shape_.position, {}, {}};
+  void addFluxFields(std::size_t band, std::vector<turtle::Field>& fields) const {
+    const ScatteredLight::Fluxes& fluxes = scattered_[band].fluxes();
+    turtle::Field field{"", lightUnit(), {}, shape_.position, {}, {}};
     const auto side = [&](std::size_t axis) { return static_cast<double>(shape_.cells[axis]) * shape_.voxelSize; };
     field.cells = {1, 1, 1};
     field.cellSize = {side(0), side(1), side(2)};
@@ -314,61 +280,16 @@ class LightVoxels final : public turtle::EnvironmentProcess {
                                       {"downOnGround", fluxes.down},
                                       {"absorbedByPlants", fluxes.byPlants},
                                       {"absorbedByGround", fluxes.byGround}}) {
-      field.name = name;
-      field.values = {value * irradiance_};
+      field.name = name + numberOf(band);
+      field.values = {value * scaleOf(band)};
       fields.push_back(field);
     }
   }
 
   /// Scattered light from above at a place; nothing outside the box.
-  [[nodiscard]] double scatteredAt(const Vec3& place) const {
-    const auto voxel = scattered_ ? field_.indexOf(field_.voxelOf(place)) : std::nullopt;
-    return voxel ? scattered_->downAt(*voxel) : 0.0;
-  }
-
-  [[nodiscard]] LeafAngles leafAngles() const {
-    return static_cast<LeafAngles>(
-        std::find(kLeafAngleNames.begin(), kLeafAngleNames.end(), configuration_.text("leafAngles")) -
-        kLeafAngleNames.begin());
-  }
-
-  [[nodiscard]] static turtle::EnvironmentError fromBelow() {
-    return {
-        "Environment 'light-voxels' takes light from above only: in 'directions' every direction must be above the "
-        "horizon and no weight below 0.",
-        false};
-  }
-
-  [[nodiscard]] std::optional<turtle::EnvironmentError> makeBeams(const Vec3& up) {
-    std::vector<LightDirection> lights;
-    for (const auto& row : configuration_.rows("directions")) {
-      if (row[3] < 0.0) {
-        return fromBelow();
-      }
-      lights.push_back({{row[0], row[1], row[2]}, row[3]});
-    }
-    if (lights.empty()) {
-      const SkyKind kind = configuration_.text("sky") == "uniform" ? SkyKind::Uniform : SkyKind::Overcast;
-      lights = skyRings(kind, static_cast<int>(configuration_.integer("zenithAngles")),
-                        static_cast<int>(configuration_.integer("azimuthAngles")), up, up);
-    } else {
-      normaliseLight(lights);
-    }
-    const LeafAngles angles = leafAngles();
-    const double dimming = std::sqrt(configuration_.number("absorptance"));
-    beams_.clear();
-    directions_.clear();
-    for (const LightDirection& light : lights) {
-      const double cosine = core::dot(light.direction, up);
-      if (!(cosine > 1e-6)) {
-        return fromBelow();
-      }
-      directions_.push_back(light.direction);
-      const double projection = leafProjection(angles, cosine, configuration_.number("ellipsoidRatio"));
-      beams_.push_back(
-          {light.direction, light.weight, dimming * projection, dimming * projection / cosine * light.weight});
-    }
-    return std::nullopt;
+  [[nodiscard]] double scatteredAt(const Vec3& place, std::size_t band) const {
+    const auto voxel = scattered_.empty() ? std::nullopt : field_.indexOf(field_.voxelOf(place));
+    return voxel ? scattered_[band].downAt(*voxel) : 0.0;
   }
 
   /// The contribution of the organs to their voxels: leaf area per volume, or a number of casters.
@@ -406,54 +327,98 @@ class LightVoxels final : public turtle::EnvironmentProcess {
                     turtle::ReplyBatch& replies) {
     const Vec3& place = queries.position[query];
     const std::size_t axes = std::min<std::size_t>(count - 1, 3);
-    const TurbidMemory::Place rays = memory_.lookAt(place, 1 + 2 * axes);
+    const std::size_t rays = 1 + 2 * axes;
     // the place itself, and its neighbours along x, y and z
     const double h = shape_.voxelSize;
     const std::array<Vec3, 3> steps{Vec3{h, 0, 0}, Vec3{0, h, 0}, Vec3{0, 0, h}};
-    std::array<double, TurbidMemory::kMostRays> light{};
-    double absorbed = 0.0;
-    for (std::size_t ray = 0; ray < 1 + 2 * axes; ++ray) {
-      const Vec3 from = ray == 0 ? place : ray % 2 == 1 ? place + steps[(ray - 1) / 2] : place - steps[(ray - 1) / 2];
-      const std::size_t first = ray * beams_.size();
-      for (std::size_t k = 0; k < beams_.size(); ++k) {
-        const Beam& beam = beams_[k];
-        const double part = TurbidMemory::isTouched(rays, k)
-                                ? core::exp(-beam.extinction * field_.integralAlong(from, beam.direction))
-                                : rays.before[first + k];
-        rays.parts[first + k] = part;
-        light[ray] += beam.weight * part;
-        absorbed += ray == 0 ? beam.perLeaf * part : 0.0;
+    std::array<Vec3, TurbidMemory::kMostRays> from{place};
+    for (std::size_t ray = 1; ray < rays; ++ray) {
+      from[ray] = ray % 2 == 1 ? place + steps[(ray - 1) / 2] : place - steps[(ray - 1) / 2];
+    }
+    const Passed& passed = passedTo(place, std::span(from).first(rays));
+    const std::size_t bands = std::min(bands_.size(), (count + kAnswers - 1) / kAnswers);
+    for (std::size_t band = 0; band < bands; ++band) {
+      const std::size_t medium = mediumOf_[band];
+      const double scale = scaleOf(band);
+      const auto answer = [&](std::size_t k, double value) {
+        if (kAnswers * band + k < count) {
+          replies.set(queries, query, kAnswers * band + k, value);
+        }
+      };
+      const auto light = [&](std::size_t ray) {
+        return passed.light[ray * media_.size() + medium] + scatteredAt(from[ray], band);
+      };
+      double absorbed = passed.absorbed[medium];
+      if (!scattered_.empty()) {
+        absorbed *= 1.0 - bands_[band].reflectance - bands_[band].transmittance;
+        const auto voxel = field_.indexOf(field_.voxelOf(place));
+        absorbed += voxel ? scattered_[band].absorbedAt(*voxel) : 0.0;
       }
-      light[ray] += scatteredAt(from);
-    }
-    if (scattered_) {
-      absorbed *= 1.0 - configuration_.number("reflectance") - configuration_.number("transmittance");
-      const auto voxel = field_.indexOf(field_.voxelOf(place));
-      absorbed += voxel ? scattered_->absorbedAt(*voxel) : 0.0;
-    }
-    replies.set(queries, query, 0, irradiance_ * light[0]);
-    for (std::size_t k = 0; k < axes; ++k) {
-      replies.set(queries, query, 1 + k, irradiance_ * ((light[1 + 2 * k] - light[2 + 2 * k]) / (2.0 * h)));
-    }
-    if (count > 4) {
-      replies.set(queries, query, 4, irradiance_ * absorbed);
+      answer(0, scale * light(0));
+      for (std::size_t k = 0; k < axes; ++k) {
+        answer(1 + k, scale * ((light(1 + 2 * k) - light(2 + 2 * k)) / (2.0 * h)));
+      }
+      answer(4, scale * absorbed);
     }
   }
 
-  /// What leaves upwards, comes down on the ground, is absorbed by plants and by the ground, on a unit of the box.
+  /// Light that passes the leaves: of points (rays, media), and what a unit of leaf area absorbs at the first (media).
+  struct Passed {
+    std::vector<double> light;
+    std::vector<double> absorbed;
+  };
+  const Passed& passedTo(const Vec3& place, std::span<const Vec3> points) {
+    const std::size_t fixed = sources_.fixedCount();
+    const std::size_t count = sources_.all().size();
+    Passed& passed = passed_;
+    passed.light.assign(points.size() * media_.size(), 0.0);
+    passed.absorbed.assign(media_.size(), 0.0);
+    // last of all: a place that is entered must be filled, also when there is no memory
+    const TurbidMemory::Place kept = memory_.lookAt(place, points.size());
+    for (std::size_t ray = 0; ray < points.size(); ++ray) {
+      for (std::size_t k = 0; k < count; ++k) {
+        const VoxelSources::Source& source = sources_.all()[k];
+        double integral = -1.0;  // not known
+        for (std::size_t m = 0; m < media_.size(); ++m) {
+          const std::size_t own = m * fixed + k;  // in the memory
+          const std::size_t slot = ray * media_.size() * fixed + own;
+          double part = 0.0;
+          if (k < fixed && !TurbidMemory::isTouched(kept, own)) {
+            part = kept.before[slot];
+          } else {
+            integral = integral < 0.0 ? field_.integralAlong(points[ray], source.direction) : integral;
+            part = core::exp(-media_[m].extinctions[k] * integral);
+          }
+          if (k < fixed) {
+            kept.parts[slot] = part;
+          }
+          passed.light[ray * media_.size() + m] += source.weight * part;
+          passed.absorbed[m] += ray == 0 ? media_[m].perLeaf[k] * part : 0.0;
+        }
+      }
+    }
+    return passed;
+  }
+
+  /// Of each band what leaves upwards, comes down on the ground, is absorbed by plants and by the ground, and comes in,
+  /// on a unit of the box.
   void answerFluxes(const turtle::QueryBatch& queries, std::size_t query, std::size_t count,
                     turtle::ReplyBatch& replies) const {
-    const ScatteredLight::Fluxes& fluxes = scattered_->fluxes();
-    const std::array<double, 4> values{fluxes.up, fluxes.down, fluxes.byPlants, fluxes.byGround};
-    for (std::size_t k = 0; k < std::min(count, values.size()); ++k) {
-      replies.set(queries, query, k, irradiance_ * values[k]);
+    for (std::size_t k = 0; k < std::min(count, kAnswers * bands_.size()); ++k) {
+      const std::size_t band = k / kAnswers;
+      const ScatteredLight::Fluxes& fluxes = scattered_[band].fluxes();
+      const std::array<double, kAnswers> values{fluxes.up, fluxes.down, fluxes.byPlants, fluxes.byGround,
+                                                fluxes.incoming};
+      replies.set(queries, query, k, scaleOf(band) * values[k % kAnswers]);
     }
   }
 
-  [[nodiscard]] double lightAt(const Vec3& place) const {
-    double light = scatteredAt(place);
-    for (const Beam& beam : beams_) {
-      light += beam.weight * core::exp(-beam.extinction * field_.integralAlong(place, beam.direction));
+  [[nodiscard]] double lightAt(const Vec3& place, std::size_t band) const {
+    double light = scatteredAt(place, band);
+    const Medium& medium = media_[mediumOf_[band]];
+    for (std::size_t k = 0; k < sources_.all().size(); ++k) {
+      const VoxelSources::Source& source = sources_.all()[k];
+      light += source.weight * core::exp(-medium.extinctions[k] * field_.integralAlong(place, source.direction));
     }
     return light;
   }
@@ -484,49 +449,31 @@ class LightVoxels final : public turtle::EnvironmentProcess {
   Configuration configuration_;
   bool isTurbid_;
   bool isFluxSensor_;
-  double irradiance_;
+  std::string unit_;  // W, umol, mol, relative
   double fullLight_;
   double strength_;
   std::vector<double> shadowOf_;  // of one caster by tiers below it (shadowDepth + 1)
-  std::vector<Beam> beams_;
-  std::vector<Vec3> directions_;  // of the beams
+  std::vector<LightBand> bands_;  // none with the method shadow
+  std::vector<Medium> media_;
+  std::vector<std::size_t> mediumOf_;  // of each band
+  VoxelSources sources_;
+  std::vector<Vec3> keptDirections_;  // of the fixed sources, once for each medium
   Vec3 up_{0, 1, 0};
-  std::optional<ScatteredLight> scattered_;  // of this step; nothing: light is not scattered
-  TurbidMemory memory_;                      // the replies do not depend on it
-  std::vector<double> background_;           // leaf area density that is always there, as in field_; empty: none
-  VoxelField field_;                         // leaf area density, or number of casters
+  std::vector<ScatteredLight> scattered_;  // of this step by band; none: light is not scattered
+  TurbidMemory memory_;                    // the replies do not depend on it
+  Passed passed_;                          // of the last query
+  std::vector<double> background_;         // leaf area density that is always there, as in field_; empty: none
+  VoxelField field_;                       // leaf area density, or number of casters
   std::string lengthUnit_ = "m";
 };
 
+}  // namespace
+
 ProcessOrErrors makeLightVoxels(const Configuration& configuration) {
+  if (auto errors = checkLightVoxels(configuration); !errors.empty()) {
+    return tl::unexpected(std::move(errors));
+  }
   const auto cells = cellsOf(configuration);
-  if (auto problem = tooManyCells("light-voxels", cells, kLightVoxelsMaximumCellCount)) {
-    return tl::unexpected(std::vector{std::move(*problem)});
-  }
-  const std::size_t cellCount = cells[0] * cells[1] * cells[2];
-  const std::size_t densities = configuration.numbers("leafAreaDensity").size();
-  if (densities != 0 && densities != cellCount) {
-    return refuse(
-        "light-voxels",
-        "'leafAreaDensity' has " + std::to_string(densities) + " numbers for " + std::to_string(cellCount) + " voxels",
-        "give one for every voxel, or none");
-  }
-  if (configuration.flag("scattering")) {
-    if (configuration.text("method") != "turbid") {
-      return refuse("light-voxels", "'scattering' needs the method turbid", "leave one of the two out");
-    }
-    if (configuration.number("absorptance") != 1.0) {
-      return refuse("light-voxels", "'absorptance' and 'scattering' both say what leaves take",
-                    "leave 'absorptance' out: leaves take 1 - reflectance - transmittance");
-    }
-    if (configuration.number("reflectance") + configuration.number("transmittance") > 1.0) {
-      return refuse("light-voxels", "'reflectance' and 'transmittance' add up to more than 1",
-                    "leaves cannot scatter more light than they get");
-    }
-  }
-  if (configuration.text("sensor") == "fluxes" && !configuration.flag("scattering")) {
-    return refuse("light-voxels", "a 'sensor' of fluxes needs 'scattering'", "write \"scattering\": true");
-  }
   const VoxelField::Shape shape{
       vectorOf(configuration, "position"),
       {static_cast<std::int64_t>(cells[0]), static_cast<std::int64_t>(cells[1]), static_cast<std::int64_t>(cells[2])},
@@ -534,16 +481,5 @@ ProcessOrErrors makeLightVoxels(const Configuration& configuration) {
       configuration.flag("periodic")};
   return std::make_unique<LightVoxels>(shape, configuration);
 }
-
-}  // namespace
-
-extern constinit const ProcessEntry kLightVoxelsProcess{
-    .name = "light-voxels",
-    .summary = kLightVoxelsSummary,
-    .source =
-        "Monsi & Saeki 1953; Ross 1981; Goudriaan 1977; Campbell 1986; Carlson & Lathrop 1968; Palubicki et al. "
-        "2009, Self-organizing tree models for image synthesis",
-    .keys = kLightVoxelsKeys,
-    .make = makeLightVoxels};
 
 }  // namespace espalier::environment

@@ -52,6 +52,11 @@ ScatteredLight::ScatteredLight(const VoxelField& field, const Options& options, 
     rest = scatter(sendOut());
   }
   fillDown();
+  // of several bands only the light stays in memory
+  sources_ = std::vector<double>();
+  allSources_ = std::vector<double>();
+  directions_ = std::vector<Direction>();
+  exchange_ = Exchange();
 }
 
 double ScatteredLight::absorbedAt(std::size_t voxel) const {

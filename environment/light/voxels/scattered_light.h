@@ -46,7 +46,7 @@ class ScatteredLight {
   };
 
   /// O(orders · directions · leafy voxels · (rays through a voxel + directions)), and once O(directions · voxels · rays
-  /// through a voxel). Memory: 12 bytes for each direction of both hemispheres in a leafy voxel.
+  /// through a voxel). Memory meanwhile: 12 bytes for each direction of both hemispheres in a leafy voxel.
   ScatteredLight(const VoxelField& field, const Options& options, const core::Vec3& up, std::span<const Beam> beams);
 
   [[nodiscard]] const Fluxes& fluxes() const { return fluxes_; }

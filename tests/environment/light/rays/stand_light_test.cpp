@@ -146,6 +146,35 @@ TEST(StandLight, AStandThatIsTurnedByARightAngleKeepsItsFluxes) {
   EXPECT_NEAR(before.byPlants, after.byPlants, 0.005);
 }
 
+TEST(StandLight, AStandThatIsTurnedWithItsNorthKeepsTheLightOfAMovingSun) {
+  // a quarter about the vertical, which takes the plot to itself, and the compass with it
+  const auto fluxesTurned = [](bool isTurned) {
+    Stand stand;
+    for (int i = 0; i < 2000; ++i) {
+      const core::Vec3 place{stand.random(), stand.random(), stand.random()};
+      const core::Vec3 normal = stand.sphericalNormal();
+      stand.leaf(isTurned ? core::Vec3{place.z, place.y, 1 - place.x} : place,
+                 isTurned ? core::Vec3{normal.z, normal.y, -normal.x} : normal, 1e-3);
+    }
+    turtle::EnvironmentContext context;
+    context.world.latitudeDegrees = 51;
+    context.world.longitudeDegrees = 0;
+    context.world.start = "2026-06-21T06:00Z";
+    context.world.stepDurationDays = 0.25;
+    context.world.north = isTurned ? core::Vec3{-1, 0, 0} : core::Vec3{0, 0, -1};
+    const auto process =
+        openProcess("light", keys(0.1, 0.1, 0.2, 1, R"("sun":"position","sunSamples":4,"directions":32)"), context);
+    const StandFluxes fluxes = fluxesOf(*process, stand);
+    const double all = fieldValue(*process, "incoming");
+    EXPECT_GT(all, 300);
+    return StandFluxes{fluxes.up / all, fluxes.down / all, fluxes.byPlants / all, fluxes.byGround / all};
+  };
+  const StandFluxes before = fluxesTurned(false);
+  const StandFluxes after = fluxesTurned(true);
+  EXPECT_NEAR(before.up, after.up, 0.003);
+  EXPECT_NEAR(before.byPlants, after.byPlants, 0.005);
+}
+
 TEST(StandLight, ThreadsChangeNoBit) {
   Stand stand;
   stand.layer(4, 2, 2, 1500, false);

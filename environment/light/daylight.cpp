@@ -1,13 +1,13 @@
-#include "environment/light/rays/daylight.h"
+#include "environment/light/daylight.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "engine/core/elementary.h"
 #include "engine/turtle/weather.h"
-#include "environment/light/rays/light_bands.h"
 #include "environment/light/sun_position.h"
 
 namespace espalier::environment {
@@ -25,15 +25,8 @@ constexpr double kLongestSpan = 1e15;  // days; a longer one is looked at as far
 
 }  // namespace
 
-Daylight::Daylight(const Configuration& configuration)
-    : configuration_(configuration),
-      sun_(configuration.text("sun")),
-      skyKind_(static_cast<SkyKind>(std::find(kSkyNames.begin(), kSkyNames.end(), configuration.text("sky")) -
-                                    kSkyNames.begin())) {
-  for (const LightBand& band : bandsOf(configuration)) {
-    parts_.push_back(band.part);
-  }
-}
+Daylight::Daylight(const Configuration& configuration, double openSky)
+    : configuration_(configuration), sun_(configuration.text("sun")), openSky_(openSky) {}
 
 std::optional<std::string> Daylight::open(const turtle::World& world) {
   up_ = core::normalised(world.up);
@@ -74,11 +67,11 @@ std::optional<std::string> Daylight::open(const turtle::World& world) {
   return std::nullopt;
 }
 
-tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays, const RayDirections& directions) const {
+tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays) const {
   Incoming incoming;
-  incoming.sky.assign(directions.all().size(), 0.0);
   if (sun_ != "position") {
-    Radiation radiation{configuration_.number("directIrradiance"), configuration_.number("diffuseIrradiance")};
+    Radiation radiation{configuration_.number("directIrradiance"),
+                        sun_ == "none" ? openSky_ : configuration_.number("diffuseIrradiance")};
     const double sine = sun_ == "none" ? 0.0 : core::dot(sunDirections_.front(), up_);
     if (hasMeasured_) {
       const auto read = measured(timeDays, timeDays + stepDays_, sine);
@@ -88,28 +81,27 @@ tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays, cons
       radiation = *read;
     }
     if (sun_ == "none") {
-      addSky(directions, up_, radiation.diffuse, incoming);
+      incoming.skies.push_back({up_, radiation.diffuse});
     }
     for (const Vec3& direction : sunDirections_) {
       const auto count = static_cast<double>(sunDirections_.size());
-      addSun(direction, radiation.direct / count, incoming);
-      addSky(directions, direction, radiation.diffuse / count, incoming);
+      incoming.suns.push_back({direction, radiation.direct / count});
+      incoming.skies.push_back({direction, radiation.diffuse / count});
     }
     return incoming;
   }
   const double whole = std::floor(stepDays_);
   if (stepDays_ <= 1.0) {
-    if (auto problem = addHours({timeDays, stepDays_, 1, 1.0}, directions, incoming)) {
+    if (auto problem = addHours({timeDays, stepDays_, 1, 1.0}, incoming)) {
       return tl::unexpected(std::move(*problem));
     }
     return incoming;
   }
   // the hours of all whole days, then what is left of a day
   std::optional<std::string> problem =
-      addHours({timeDays, 1.0, static_cast<std::int64_t>(std::min(whole, kLongestSpan)), whole / stepDays_}, directions,
-               incoming);
+      addHours({timeDays, 1.0, static_cast<std::int64_t>(std::min(whole, kLongestSpan)), whole / stepDays_}, incoming);
   if (!problem && stepDays_ - whole > 1e-9) {
-    problem = addHours({timeDays + whole, stepDays_ - whole, 1, 1.0 - whole / stepDays_}, directions, incoming);
+    problem = addHours({timeDays + whole, stepDays_ - whole, 1, 1.0 - whole / stepDays_}, incoming);
   }
   if (problem) {
     return tl::unexpected(std::move(*problem));
@@ -119,8 +111,7 @@ tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays, cons
 
 /// Adds the light of a span of days, a part of the step: a sun and a sky for each part of the day, those of all days
 /// as one.
-std::optional<std::string> Daylight::addHours(const Span& span, const RayDirections& directions,
-                                              Incoming& incoming) const {
+std::optional<std::string> Daylight::addHours(const Span& span, Incoming& incoming) const {
   const auto samples = static_cast<int>(configuration_.integer("sunSamples"));
   const auto days = std::min<std::int64_t>(span.days, kMostDays);
   for (int i = 0; i < samples; ++i) {
@@ -158,19 +149,19 @@ std::optional<std::string> Daylight::addHours(const Span& span, const RayDirecti
         ofSky += diffuse;
       } else {
         if (direct > 0.0) {
-          addSun(direction, direct, incoming);
+          incoming.suns.push_back({direction, direct});
         }
         if (diffuse > 0.0) {
-          addSky(directions, middle, diffuse, incoming);
+          incoming.skies.push_back({middle, diffuse});
         }
       }
     }
     // what all suns of this hour give a horizontal plane, the one sun gives it too
     if (core::length(sun) > 0.0) {
-      addSun(core::normalised(sun), core::length(sun), incoming);
+      incoming.suns.push_back({core::normalised(sun), core::length(sun)});
     }
     if (ofSky > 0.0) {
-      addSky(directions, core::normalised(sky), ofSky, incoming);
+      incoming.skies.push_back({core::normalised(sky), ofSky});
     }
   }
   return std::nullopt;
@@ -208,37 +199,6 @@ tl::expected<Daylight::Radiation, std::string> Daylight::measured(double from, d
   }
   return weather.has("diffuse") ? Radiation{std::max(global - diffuse, 0.0) / sine, std::min(diffuse, global)}
                                 : Radiation{direct, std::max(global - direct * sine, 0.0)};
-}
-
-void Daylight::addSun(const Vec3& direction, double irradiance, Incoming& incoming) const {
-  LeafLight::Sun sun{direction, {}};
-  for (const double part : parts_) {
-    sun.irradiance.push_back(irradiance * part);
-  }
-  incoming.suns.push_back(std::move(sun));
-}
-
-/// Adds a sky that gives a horizontal plane this irradiance, as the directions of each lattice sum it up.
-void Daylight::addSky(const RayDirections& directions, const Vec3& sun, double irradiance, Incoming& incoming) const {
-  incoming.diffuse += irradiance;
-  std::vector<double> radiance(directions.all().size(), 0.0);
-  for (const RayDirections::Lattice& lattice : directions.lattices()) {
-    double weights = 0.0;
-    double sum = 0.0;
-    const std::size_t end = lattice.begin + lattice.count;
-    for (std::size_t i = lattice.begin; i < end; ++i) {
-      const Vec3& direction = directions.all()[i];
-      const double cosine = core::dot(direction, up_);
-      if (cosine > 0.0) {
-        radiance[i] = skyRadiance(skyKind_, cosine, core::dot(direction, sun), core::dot(up_, sun));
-        weights += cosine;
-        sum += cosine * radiance[i];
-      }
-    }
-    for (std::size_t i = lattice.begin; i < end; ++i) {
-      incoming.sky[i] += radiance[i] * irradiance / (pi * sum / weights);
-    }
-  }
 }
 
 }  // namespace espalier::environment

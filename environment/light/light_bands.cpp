@@ -1,11 +1,10 @@
-#include "environment/light/rays/light_bands.h"
+#include "environment/light/light_bands.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "environment/base/number_text.h"
-#include "environment/light/rays/light_keys.h"
 
 namespace espalier::environment {
 
@@ -55,39 +54,11 @@ LightBand bandFromSpectra(const Configuration& configuration, const std::vector<
   return band;
 }
 
-}  // namespace
-
-std::vector<LightBand> bandsOf(const Configuration& configuration) {
-  std::vector<LightBand> bands;
-  const auto& limits = configuration.rows("bandLimits");
-  const ConfigurationRows& light = configuration.rows("lightSpectrum");
-  const std::size_t count = limits.empty() ? configuration.numbers("bands").size() : limits.size();
-  const double total =
-      limits.empty() ? 0.0 : sumOf(light, light.front()[0], light.back()[0], [](double) { return 1.0; });
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto number = [&](const char* key) { return numberOfBand(configuration.numbers(key), k); };
-    LightBand band;
-    if (limits.empty()) {
-      band.part = number("bands");
-      band.reflectance = number("reflectance");
-      band.transmittance = number("transmittance");
-      band.photonsPerJoule = number("photonsPerJoule");
-    } else {
-      band = bandFromSpectra(configuration, limits[k], total);
-    }
-    if (limits.empty() || configuration.rows("groundSpectrum").empty()) {
-      band.groundReflectance = number("groundReflectance");
-    }
-    band.stemReflectance = number("stemReflectance");
-    bands.push_back(band);
-  }
-  return bands;
-}
-
-std::vector<core::Diagnostic> checkSpectra(const Configuration& configuration) {
+/// The errors of the keys of spectra.
+std::vector<core::Diagnostic> checkSpectra(std::string_view process, const Configuration& configuration) {
   std::vector<core::Diagnostic> errors;
   const auto add = [&](const std::string& sentence, const std::string& hint) {
-    errors.push_back(wrongConfiguration("light", sentence, hint));
+    errors.push_back(wrongConfiguration(process, sentence, hint));
   };
   const auto& limits = configuration.rows("bandLimits");
   const auto& light = configuration.rows("lightSpectrum");
@@ -146,6 +117,66 @@ std::vector<core::Diagnostic> checkSpectra(const Configuration& configuration) {
   for (std::size_t k = 0; k < limits.size() && errors.empty(); ++k) {
     if (!(sumOf(light, limits[k][0], limits[k][1], [](double) { return 1.0; }) > 0.0)) {
       add("'lightSpectrum' has no light in band " + std::to_string(k + 1), "leave out that band");
+    }
+  }
+  return errors;
+}
+
+}  // namespace
+
+double numberOfBand(const std::vector<double>& numbers, std::size_t band) {
+  return numbers[std::min(band, numbers.size() - 1)];
+}
+
+std::vector<LightBand> bandsOf(const Configuration& configuration) {
+  std::vector<LightBand> bands;
+  const auto& limits = configuration.rows("bandLimits");
+  const ConfigurationRows& light = configuration.rows("lightSpectrum");
+  const std::size_t count = limits.empty() ? configuration.numbers("bands").size() : limits.size();
+  const double total =
+      limits.empty() ? 0.0 : sumOf(light, light.front()[0], light.back()[0], [](double) { return 1.0; });
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto number = [&](const char* key) { return numberOfBand(configuration.numbers(key), k); };
+    LightBand band;
+    if (limits.empty()) {
+      band.part = number("bands");
+      band.reflectance = number("reflectance");
+      band.transmittance = number("transmittance");
+      band.photonsPerJoule = number("photonsPerJoule");
+    } else {
+      band = bandFromSpectra(configuration, limits[k], total);
+    }
+    if (limits.empty() || configuration.rows("groundSpectrum").empty()) {
+      band.groundReflectance = number("groundReflectance");
+    }
+    bands.push_back(band);
+  }
+  return bands;
+}
+
+std::vector<core::Diagnostic> checkBands(std::string_view process, const Configuration& configuration,
+                                         std::string_view more) {
+  std::vector<core::Diagnostic> errors = checkSpectra(process, configuration);
+  const auto add = [&](const std::string& sentence, const std::string& hint) {
+    errors.push_back(wrongConfiguration(process, sentence, hint));
+  };
+  const std::size_t limits = configuration.rows("bandLimits").size();
+  const std::size_t bands = limits > 0 ? limits : configuration.numbers("bands").size();
+  for (const std::string_view key : {std::string_view("photonsPerJoule"), std::string_view("reflectance"),
+                                     std::string_view("transmittance"), more, std::string_view("groundReflectance")}) {
+    const std::size_t count = configuration.numbers(key).size();
+    if (count != 1 && count != bands) {
+      add("'" + std::string(key) + "' has " + std::to_string(count) + " numbers for " + std::to_string(bands) +
+              " bands",
+          "give one number for each band, or one for all");
+    }
+  }
+  for (std::size_t band = 0; band < bands && limits == 0 && errors.empty(); ++band) {
+    if (numberOfBand(configuration.numbers("reflectance"), band) +
+            numberOfBand(configuration.numbers("transmittance"), band) >
+        1.0) {
+      add("'reflectance' and 'transmittance' add up to more than 1 in band " + std::to_string(band + 1),
+          "organs cannot scatter more light than they get");
     }
   }
   return errors;
