@@ -37,6 +37,9 @@ class Validation(unittest.TestCase):
             self.assertLessEqual({"rami-quick", "sun"}, cases)
         self.assertLessEqual({"m1.1", "layers", "view-factors", "stands", "self-thinning", "m2.1-sand", "steady", "gardner", "solutes",
                               "m3.1", "root-conductance", "c1.1"}, cases)
+        self.assertIn("pipes", cases)
+        for name in ("layers", "view-factors", "stands", "self-thinning", *(("rami-quick", "sun") if data else ())):
+            self.assertTrue((self.folder / "plots" / f"{name}.svg").is_file(), f"{name} has no picture")
         self.assertEqual("left out" in run.stderr, not data, run.stderr)
         if not data:
             print("the published tables are not there; without them the benchmarks leave out parts of m1.1, m2.1, m2.2, m3.2 and c1.2")

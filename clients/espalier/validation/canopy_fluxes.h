@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -45,17 +46,21 @@ inline void addBalance(CaseResult& result, const std::vector<Largest>& parts) {
   result.rows.push_back({"balance of light", balance.value(), 1e-3, ""});
 }
 
-/// Leaves and ground in one band.
+/// Leaves and ground in one band; by default both black.
 struct Band {
   double rho = 0.0, tau = 0.0, ground = 0.0;
 };
 
-/// A direction of the sun, or the mean of `azimuths` directions evenly around the vertical; zenith 0: a uniform sky.
+/// A process takes at most so many.
+inline constexpr std::size_t kMostBands = 16;
+
+/// A direction of the sun, or the mean of `azimuths` directions evenly around the vertical; zenith below 0: a sky.
 /// Degrees.
 struct Light {
-  double zenith = 0.0;
+  double zenith = -1.0;
   double azimuth = 30.0;
   int azimuths = 1;
+  std::string sky = "uniform";  // or "overcast"
 
   [[nodiscard]] core::Vec3 direction() const {
     const double angle = zenith * std::numbers::pi / 180.0;
@@ -64,7 +69,7 @@ struct Light {
   }
 };
 
-/// The light of a table: "uniform", or a zenith angle in degrees.
+/// The light of a table: "uniform", "overcast", or a zenith angle in degrees.
 [[nodiscard]] Light lightOf(const std::string& zenith);
 
 /// Numbers as a JSON list.
@@ -76,8 +81,18 @@ struct Light {
                                             const std::vector<Band>& bands, const Light& light, int directions,
                                             int groundCells);
 
-/// The same for a box of voxels of side 1, by the process `light-voxels`.
-[[nodiscard]] Fluxes voxelFluxes(const std::array<int, 3>& cells, const std::vector<double>& densities,
-                                 const std::string& leafAngles, const Band& band, const Light& light);
+/// A box of voxels with leaves, which repeats itself.
+struct Voxels {
+  std::array<int, 3> cells{};
+  double side = 1.0;
+  std::vector<double> densities;
+  std::string leafAngles = "spherical";
+};
+
+/// The fluxes of all bands by the process `light-voxels`.
+[[nodiscard]] std::vector<Fluxes> voxelFluxes(const Voxels& voxels, const std::vector<Band>& bands, const Light& light);
+
+/// Part of the light that comes past black leaves to the ground, by rays from sensors there.
+[[nodiscard]] double passedVoxels(const Voxels& voxels, const Light& light);
 
 }  // namespace espalier::validation

@@ -92,6 +92,41 @@ double leafProjection(const std::string& leaves, double ratio, double zenithRadi
   return 2.0 / pi * (integralOf(0.0, border, kSteps, lit) + integralOf(border, 0.5 * pi, kSteps, lit));
 }
 
+LeafAngleTable::LeafAngleTable(const std::string& leaves, double ratio) {
+  if (leaves == "horizontal" || leaves == "vertical") {
+    only_ = leaves == "horizontal" ? 0.0 : 0.5 * pi;
+    return;
+  }
+  constexpr int kSteps = 2000;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double angle = 0.5 * pi * (i + 0.5) / kSteps;
+    const double sine = core::sin(angle);
+    const double cosine = core::cos(angle);
+    if (leaves == "spherical") {
+      sum += sine;
+    } else if (leaves == "ellipsoidal") {
+      // the surface of the ellipsoid by its normals
+      const double square = cosine * cosine + ratio * ratio * sine * sine;
+      sum += sine / (square * square);
+    } else {
+      sum += deWit(leaves, angle);
+    }
+    cumulated_.push_back(sum);
+  }
+}
+
+double LeafAngleTable::at(double part) const {
+  if (only_ >= 0.0) {
+    return only_;
+  }
+  const double area = part * cumulated_.back();
+  const auto next = std::lower_bound(cumulated_.begin(), cumulated_.end() - 1, area);
+  const double before = next == cumulated_.begin() ? 0.0 : *(next - 1);
+  const double step = static_cast<double>(next - cumulated_.begin()) + (area - before) / (*next - before);
+  return 0.5 * pi * step / static_cast<double>(cumulated_.size());
+}
+
 double passedBlackLeaves(const std::string& leaves, double ratio, const std::string& light, double leafAreaIndex) {
   if (light.starts_with("zenith")) {
     const double zenith = std::stod(light.substr(6)) * pi / 180.0;

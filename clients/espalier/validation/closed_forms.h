@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace espalier::validation {
 
@@ -14,6 +15,18 @@ struct LayerFluxes {
 /// Mean projection of a unit of leaf area in a direction (Ross 1981), by the name of the distribution of leaf angles.
 /// `ratio` is that of the ellipsoid (Campbell 1986, with the exact normalisation).
 [[nodiscard]] double leafProjection(const std::string& leaves, double ratio, double zenithRadians);
+
+/// Angles of leaf normals to the vertical with one of these distributions.
+class LeafAngleTable {
+ public:
+  LeafAngleTable(const std::string& leaves, double ratio);
+  /// The angle below which this part of the leaf area is, in radians.
+  [[nodiscard]] double at(double part) const;
+
+ private:
+  double only_ = -1.0;             // of all leaves; below 0: there are others
+  std::vector<double> cumulated_;  // leaf area below the ends of equal steps of the angle
+};
 
 /// The part of a light that passes black leaves: `light` is "uniform", "overcast" or "zenith" with an angle in degrees.
 [[nodiscard]] double passedBlackLeaves(const std::string& leaves, double ratio, const std::string& light,

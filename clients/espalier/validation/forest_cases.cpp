@@ -38,32 +38,34 @@ Canopy leavesOf(const std::vector<Vec3>& crowns, std::size_t leaves) {
   return canopy;
 }
 
-/// Leaf area densities of voxels of 1 m. The leaves of a crown are even in the voxels whose middle is in it, so its
-/// surface stays sharp. With the mean density of voxels at the surface 0.025 less light passes 398 crowns than passes
-/// spheres, against 0.013.
-std::vector<double> densitiesOf(const std::vector<Vec3>& crowns, int side, int layers) {
+/// Crowns in voxels of 1 m. The leaves of a crown are even in the voxels whose middle is in it, so its surface stays
+/// sharp. With the mean density of voxels at the surface 0.025 less light passes 398 crowns than passes spheres.
+Voxels voxelsOf(const std::vector<Vec3>& crowns) {
+  constexpr int kSide = static_cast<int>(kPlot);
+  constexpr int kLayers = 16;
   constexpr int kReach = static_cast<int>(kRadius) + 1;
-  std::vector<double> densities(static_cast<std::size_t>(side) * static_cast<std::size_t>(side * layers), 0.0);
-  const auto inPlot = [side](int cell) { return (cell % side + side) % side; };
+  Voxels voxels{
+      {kSide, kLayers, kSide}, 1.0, std::vector<double>(std::size_t{kSide} * kSide * kLayers, 0.0), "spherical"};
+  const auto inPlot = [](int cell) { return (cell % kSide + kSide) % kSide; };
   for (const Vec3& crown : crowns) {
     std::vector<std::size_t> inside;
     const int x = static_cast<int>(std::floor(crown.x));
     const int y = static_cast<int>(std::floor(crown.y));
     const int z = static_cast<int>(std::floor(crown.z));
     for (int k = z - kReach; k <= z + kReach; ++k) {
-      for (int j = std::max(y - kReach, 0); j <= std::min(y + kReach, layers - 1); ++j) {
+      for (int j = std::max(y - kReach, 0); j <= std::min(y + kReach, kLayers - 1); ++j) {
         for (int i = x - kReach; i <= x + kReach; ++i) {
           if (core::length(Vec3{i + 0.5, j + 0.5, k + 0.5} - crown) < kRadius) {
-            inside.push_back(static_cast<std::size_t>((inPlot(k) * layers + j) * side + inPlot(i)));
+            inside.push_back(static_cast<std::size_t>((inPlot(k) * kLayers + j) * kSide + inPlot(i)));
           }
         }
       }
     }
     for (const std::size_t voxel : inside) {
-      densities[voxel] += kLeafArea / static_cast<double>(inside.size());
+      voxels.densities[voxel] += kLeafArea / static_cast<double>(inside.size());
     }
   }
-  return densities;
+  return voxels;
 }
 
 /// Rows of rami4pilps.tsv of one density and one light.
@@ -94,16 +96,65 @@ bool isLow(const std::string& zenith) {
   return zenith.starts_with("83");
 }
 
-/// The fluxes of all rows. The Monte Carlo run on these crowns has a sun of any azimuth. Squares of the ground must be
-/// small against the gaps between crowns: over snow, squares of 16 m make the crowns absorb 0.005 of the light too
-/// much.
-std::vector<Fluxes> fluxesOf(const Canopy& canopy, const ForestRows& group, bool isQuick) {
-  constexpr int kAzimuths = 16;
-  const int groundCells = isQuick ? 50 : 125;  // of 5 or 2 m
+/// The light of the rows of a group. The Monte Carlo run on these crowns has a sun of any azimuth.
+Light lightOfGroup(const ForestRows& group) {
   Light light = lightOf(group.zenith);
-  light.azimuths = kAzimuths;
-  return rayFluxes(canopy, kPlot, group.bands, light, 16, groundCells);
+  light.azimuths = 16;
+  return light;
 }
+
+/// The fluxes of all rows, and last those of black leaves over a black ground. Squares of the ground must be small
+/// against the gaps between crowns: over snow, squares of 16 m make the crowns absorb 0.005 of the light too much.
+std::vector<Fluxes> fluxesOf(const Canopy& canopy, const ForestRows& group, bool isQuick) {
+  const int groundCells = isQuick ? 50 : 125;  // of 5 or 2 m
+  std::vector<Band> bands = group.bands;
+  bands.emplace_back();
+  return rayFluxes(canopy, kPlot, bands, lightOfGroup(group), 16, groundCells);
+}
+
+/// What a process makes of the forests of a density, beside the published fluxes and the Monte Carlo run.
+struct Comparison {
+  Largest published;
+  Largest own;               // the Monte Carlo run on the same crowns
+  LargestError unscattered;  // light past black leaves, of the Monte Carlo run
+
+  void add(const ReferenceTable& table, const ForestRows& group, const std::vector<Fluxes>& fluxes) {
+    for (std::size_t i = 0; i < group.rows.size(); ++i) {
+      const auto number = [&](const char* column) { return table.number(group.rows[i], column); };
+      published.add(fluxes[i], number("absorbed"), number("reflected"), number("down_at_ground"));
+      own.add(fluxes[i], number("mc_absorbed"), number("mc_reflected"), number("mc_down"));
+    }
+  }
+};
+
+/// The light that crowns absorb, in the order of the table.
+class AbsorbedCurves {
+ public:
+  explicit AbsorbedCurves(const std::string& spheres)
+      : own_{spheres + " crowns", false, {}},
+        published_{spheres + " crowns, published", true, {}},
+        monteCarlo_{spheres + " crowns, Monte Carlo on the same crowns", true, {}} {}
+
+  void add(const ReferenceTable& table, const ForestRows& group, const std::vector<Fluxes>& fluxes) {
+    for (std::size_t i = 0; i < group.rows.size(); ++i) {
+      const auto across = static_cast<double>(group.rows[i]);
+      own_.points.emplace_back(across, fluxes[i].byPlants);
+      published_.points.emplace_back(across, table.number(group.rows[i], "absorbed"));
+      monteCarlo_.points.emplace_back(across, table.number(group.rows[i], "mc_absorbed"));
+    }
+  }
+  void addTo(CaseResult& result) {
+    result.across = "row of the table";
+    result.up = "absorbed part of the light";
+    for (Curve* curve : {&own_, &published_, &monteCarlo_}) {
+      std::sort(curve->points.begin(), curve->points.end());
+      result.curves.push_back(std::move(*curve));
+    }
+  }
+
+ private:
+  Curve own_, published_, monteCarlo_;
+};
 
 /// Forests of so many crowns in rays; with a zenith angle only that.
 CaseResult openForest(const Data& data, const std::string& spheres, const std::string& onlyZenith) {
@@ -113,47 +164,33 @@ CaseResult openForest(const Data& data, const std::string& spheres, const std::s
   if (!table || !places) {
     return result;
   }
+  const bool isWhole = onlyZenith.empty();
   // of a crown; with 2000 the light that 239 crowns absorb differs by 0.0104
-  const std::size_t leaves = onlyZenith.empty() ? 5000 : 2000;
-  const Canopy canopy = leavesOf(crownsOf(*places), leaves);
-  Largest high;
-  Largest highToOwn;
-  Largest low;
-  Largest lowToOwn;
-  // absorbed light in the order of the table
-  Curve absorbed{spheres + " crowns", false, {}};
-  Curve published{spheres + " crowns, published", true, {}};
+  const Canopy canopy = leavesOf(crownsOf(*places), isWhole ? 5000 : 2000);
+  Comparison high;
+  Comparison low;
+  AbsorbedCurves curves(spheres);
   for (const ForestRows& group : forestRows(*table, spheres)) {
-    if (!onlyZenith.empty() && group.zenith != onlyZenith) {
+    if (!isWhole && group.zenith != onlyZenith) {
       continue;
     }
-    const bool isLowSun = isLow(group.zenith);
-    const std::vector<Fluxes> fluxes = fluxesOf(canopy, group, !onlyZenith.empty());
-    for (std::size_t i = 0; i < group.rows.size(); ++i) {
-      const std::size_t row = group.rows[i];
-      const auto number = [&](const char* column) { return table->number(row, column); };
-      absorbed.points.emplace_back(static_cast<double>(row), fluxes[i].byPlants);
-      published.points.emplace_back(static_cast<double>(row), number("absorbed"));
-      (isLowSun ? low : high).add(fluxes[i], number("absorbed"), number("reflected"), number("down_at_ground"));
-      (isLowSun ? lowToOwn : highToOwn)
-          .add(fluxes[i], number("mc_absorbed"), number("mc_reflected"), number("mc_down"));
-    }
+    const std::vector<Fluxes> fluxes = fluxesOf(canopy, group, !isWhole);
+    Comparison& comparison = isLow(group.zenith) ? low : high;
+    comparison.add(*table, group, fluxes);
+    comparison.unscattered.add(std::abs(fluxes.back().down - table->number(group.rows.front(), "mc_unscattered")));
+    curves.add(*table, group, fluxes);
   }
-  high.addTo(result,
-             onlyZenith.empty() ? "27 and 60 degrees and diffuse, published" : onlyZenith + " degrees, published",
-             0.010);
-  highToOwn.addTo(result, "the same, Monte Carlo on these crowns", 0.006);
-  if (onlyZenith.empty()) {
-    lowToOwn.addTo(result, "83.5 degrees, mean of 16 azimuths, Monte Carlo on these crowns", 0.012);
-    low.addTo(result, "the same, published", std::nullopt);
-    result.across = "row of the table";
-    result.up = "absorbed part of the light";
-    for (Curve* curve : {&absorbed, &published}) {
-      std::sort(curve->points.begin(), curve->points.end());
-      result.curves.push_back(std::move(*curve));
-    }
+  high.published.addTo(
+      result, isWhole ? "27 and 60 degrees and diffuse, published" : onlyZenith + " degrees, published", 0.010);
+  high.own.addTo(result, "the same, Monte Carlo on these crowns", 0.006);
+  result.rows.push_back({"the same, past black leaves", high.unscattered.value(), 0.006, ""});
+  if (isWhole) {
+    low.own.addTo(result, "83.5 degrees, mean of 16 azimuths, Monte Carlo on these crowns", 0.012);
+    result.rows.push_back({"the same, past black leaves", low.unscattered.value(), 0.012, ""});
+    low.published.addTo(result, "the same, published", std::nullopt);
   }
-  addBalance(result, onlyZenith.empty() ? std::vector{high, low} : std::vector{high});
+  curves.addTo(result);
+  addBalance(result, isWhole ? std::vector{high.published, low.published} : std::vector{high.published});
   return result;
 }
 
@@ -170,43 +207,59 @@ CaseResult openForest398(const Data& data) {
   return openForest(data, "398", "");
 }
 
-CaseResult openForestsInVoxels(const Data& data) {
+/// Forests of so many crowns in voxels.
+CaseResult openForestInVoxels(const Data& data, const std::string& spheres) {
   CaseResult result;
   const auto table = ReferenceTable::read(data, "rami4pilps.tsv", result.missing);
-  Largest voxels;
-  bool hasCrowns = false;
-  for (const std::string spheres : {"80", "239", "398"}) {
-    const auto places = ReferenceTable::read(data, "rami_crowns_" + spheres + ".tsv", result.missing);
-    if (!table || !places) {
-      continue;
-    }
-    hasCrowns = true;
-    const std::vector<double> densities = densitiesOf(crownsOf(*places), static_cast<int>(kPlot), 16);
-    for (const ForestRows& group : forestRows(*table, spheres)) {
-      for (std::size_t i = 0; i < group.rows.size() && !isLow(group.zenith); ++i) {
-        const auto number = [&](const char* column) { return table->number(group.rows[i], column); };
-        voxels.add(voxelFluxes({250, 16, 250}, densities, "spherical", group.bands[i], lightOf(group.zenith)),
-                   number("absorbed"), number("reflected"), number("down_at_ground"));
-      }
-    }
-  }
-  if (!hasCrowns) {
+  const auto places = ReferenceTable::read(data, "rami_crowns_" + spheres + ".tsv", result.missing);
+  if (!table || !places) {
     return result;
   }
-  voxels.addTo(result, "27 and 60 degrees and diffuse, published", 0.020);
-  addBalance(result, {voxels});
+  const Voxels voxels = voxelsOf(crownsOf(*places));
+  Comparison high;
+  Comparison low;
+  AbsorbedCurves curves(spheres);
+  for (const ForestRows& group : forestRows(*table, spheres)) {
+    const Light light = lightOfGroup(group);
+    const std::vector<Fluxes> fluxes = voxelFluxes(voxels, group.bands, light);
+    Comparison& comparison = isLow(group.zenith) ? low : high;
+    comparison.add(*table, group, fluxes);
+    curves.add(*table, group, fluxes);
+    comparison.unscattered.add(
+        std::abs(passedVoxels(voxels, light) - table->number(group.rows.front(), "mc_unscattered")));
+  }
+  high.published.addTo(result, "27 and 60 degrees and diffuse, published", 0.020);
+  high.own.addTo(result, "the same, Monte Carlo on these crowns", 0.020);
+  result.rows.push_back({"the same, past black leaves", high.unscattered.value(), 0.010, ""});
+  low.own.addTo(result, "83.5 degrees, mean of 16 azimuths, Monte Carlo on these crowns", std::nullopt);
+  result.rows.push_back({"the same, past black leaves", low.unscattered.value(), std::nullopt, ""});
+  low.published.addTo(result, "the same, published", std::nullopt);
+  curves.addTo(result);
+  addBalance(result, {high.published, low.published});
   return result;
+}
+
+CaseResult voxels80(const Data& data) {
+  return openForestInVoxels(data, "80");
+}
+CaseResult voxels239(const Data& data) {
+  return openForestInVoxels(data, "239");
+}
+CaseResult voxels398(const Data& data) {
+  return openForestInVoxels(data, "398");
 }
 
 }  // namespace
 
 std::span<const Case> forestCases() {
-  static constexpr std::array<Case, 5> kCases{
+  static constexpr std::array<Case, 7> kCases{
       {{"rami-quick", "RAMI4PILPS, 80 crowns, sun at 60 degrees, light (Widlowski et al. 2011)", true, openForestQuick},
        {"rami-80", "RAMI4PILPS, 80 crowns, light (Widlowski et al. 2011)", false, openForest80},
        {"rami-239", "RAMI4PILPS, 239 crowns, light (Widlowski et al. 2011)", false, openForest239},
        {"rami-398", "RAMI4PILPS, 398 crowns, light (Widlowski et al. 2011)", false, openForest398},
-       {"rami-voxels", "RAMI4PILPS, all crowns, light-voxels (Widlowski et al. 2011)", false, openForestsInVoxels}}};
+       {"rami-voxels-80", "RAMI4PILPS, 80 crowns, light-voxels (Widlowski et al. 2011)", false, voxels80},
+       {"rami-voxels-239", "RAMI4PILPS, 239 crowns, light-voxels (Widlowski et al. 2011)", false, voxels239},
+       {"rami-voxels-398", "RAMI4PILPS, 398 crowns, light-voxels (Widlowski et al. 2011)", false, voxels398}}};
   return kCases;
 }
 

@@ -33,38 +33,49 @@ struct LayerRow {
   LayerFluxes exact;
 };
 
+/// A layer of so much leaf area in 40 voxels on each other.
+Voxels voxelLayer(double leafAreaIndex, bool isHorizontal) {
+  return {{1, 40, 1}, 1.0, std::vector<double>(40, leafAreaIndex / 40.0), isHorizontal ? "horizontal" : "spherical"};
+}
+
 /// Rows in voxels and with leaves at random.
 CaseResult layers(const std::vector<LayerRow>& rows, bool isHorizontal) {
   CaseResult result;
   Largest voxels;
   Largest rays;
-  const auto add = [](Largest& largest, const Fluxes& fluxes, const LayerRow& row) {
-    largest.add(fluxes, row.exact.absorbed, row.exact.reflected, row.exact.down);
+  result.across = "row";
+  result.up = "absorbed part of the light";
+  result.curves = {{"light-voxels", false, {}}, {"light", false, {}}, {"exact", true, {}}};
+  const auto add = [&](Largest& largest, std::size_t curve, const Fluxes& fluxes, std::size_t row) {
+    const LayerFluxes& exact = rows[row].exact;
+    largest.add(fluxes, exact.absorbed, exact.reflected, exact.down);
+    result.curves[curve].points.emplace_back(static_cast<double>(row + 1), fluxes.byPlants);
   };
-  std::map<std::pair<double, std::string>, std::vector<LayerRow>> groups;  // by leaf area index and light
-  for (const LayerRow& row : rows) {
-    add(voxels,
-        voxelFluxes({1, 40, 1}, std::vector<double>(40, row.leafAreaIndex / 40.0),
-                    isHorizontal ? "horizontal" : "spherical", row.band, lightOf(row.zenith)),
-        row);
-    groups[{row.leafAreaIndex, row.zenith}].push_back(row);
+  std::map<std::pair<double, std::string>, std::vector<std::size_t>> groups;  // rows by leaf area index and light
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    groups[{rows[row].leafAreaIndex, rows[row].zenith}].push_back(row);
+    result.curves[2].points.emplace_back(static_cast<double>(row + 1), rows[row].exact.absorbed);
   }
   for (const auto& [key, group] : groups) {
     constexpr double kSide = 10.0;
-    constexpr std::size_t kMostBands = 16;
     Canopy canopy;
     canopy.layer(kSide, 10.0, key.first, 40'000, isHorizontal);
     for (std::size_t begin = 0; begin < group.size(); begin += kMostBands) {
-      const std::size_t end = std::min(begin + kMostBands, group.size());
       std::vector<Band> bands;
-      for (std::size_t i = begin; i < end; ++i) {
-        bands.push_back(group[i].band);
+      for (std::size_t i = begin; i < std::min(begin + kMostBands, group.size()); ++i) {
+        bands.push_back(rows[group[i]].band);
       }
-      const std::vector<Fluxes> fluxes = rayFluxes(canopy, kSide, bands, lightOf(key.second), 32, 16);
-      for (std::size_t i = begin; i < end; ++i) {
-        add(rays, fluxes[i - begin], group[i]);
+      const Light light = lightOf(key.second);
+      const std::vector<Fluxes> byVoxels = voxelFluxes(voxelLayer(key.first, isHorizontal), bands, light);
+      const std::vector<Fluxes> byRays = rayFluxes(canopy, kSide, bands, light, 32, 16);
+      for (std::size_t i = 0; i < bands.size(); ++i) {
+        add(voxels, 0, byVoxels[i], group[begin + i]);
+        add(rays, 1, byRays[i], group[begin + i]);
       }
     }
+  }
+  for (Curve& curve : result.curves) {
+    std::sort(curve.points.begin(), curve.points.end());
   }
   voxels.addTo(result, "light-voxels", 0.005);
   rays.addTo(result, "light, 40000 leaves", 0.010);
@@ -104,43 +115,161 @@ CaseResult sphericalLayers(const Data& data) {
   return layers(rows, false);
 }
 
-CaseResult blackLayers(const Data&) {
-  CaseResult result;
-  LargestError beams;
-  LargestError skies;
-  const auto compare = [&](const std::string& leaves, double ratio, const std::string& light, double index) {
-    const bool isBeam = light.starts_with("zenith");
-    std::string text = R"({"voxelSize":1,"position":[0,0,0],"periodic":true,"gridSize":[1,10,1],"leafAngles":")" +
-                       leaves + R"(","ellipsoidRatio":)" + numberText(ratio) + R"(,"leafAreaDensity":)" +
-                       listOf(std::vector<double>(10, index / 10.0));
-    if (isBeam) {
-      const Vec3 sun = Light{std::stod(light.substr(6))}.direction();
-      text += R"(,"directions":[)" + listOf({sun.x, sun.y, sun.z, 1.0}) + "]}";
-    } else {
-      text += R"(,"zenithAngles":32,"azimuthAngles":2,"sky":")" + light + R"("})";
-    }
-    const double passed = runProcess("light-voxels", text, queriesAt({{}}, {0.0})).replies.values[0];
-    const double error = std::abs(passed - passedBlackLeaves(leaves, ratio, light, index));
-    (isBeam ? beams : skies).add(error);
-  };
+// ---- layers of black leaves
+
+/// A row of the table of black leaves.
+struct BlackLayer {
+  std::string leaves;
+  double ratio = 1.0;  // of the ellipsoid
+  std::string light;   // "zenith30", "uniform", "overcast"
+  double index = 1.0;
+
+  [[nodiscard]] double exact() const { return passedBlackLeaves(leaves, ratio, light, index); }
+  [[nodiscard]] bool isBeam() const { return light.starts_with("zenith"); }
+  [[nodiscard]] Light lightOfRow() const { return lightOf(isBeam() ? light.substr(6) : light); }
+};
+
+std::vector<BlackLayer> blackLayerRows() {
+  std::vector<BlackLayer> rows;
   for (const double index : {1.0, 3.0}) {
     for (const std::string leaves : {"horizontal", "vertical", "spherical", "planophile", "erectophile", "plagiophile",
                                      "extremophile", "uniform"}) {
       for (const std::string light : {"zenith0", "zenith30", "zenith60", "zenith75"}) {
-        compare(leaves, 1.0, light, index);
+        rows.push_back({leaves, 1.0, light, index});
       }
     }
     for (const double ratio : {0.5, 2.0}) {
       for (const std::string light : {"zenith0", "zenith30", "zenith60", "zenith75", "uniform", "overcast"}) {
-        compare("ellipsoidal", ratio, light, index);
+        rows.push_back({"ellipsoidal", ratio, light, index});
       }
     }
     for (const std::string leaves : {"horizontal", "vertical", "spherical"}) {
-      compare(leaves, 1.0, "uniform", index);
-      compare(leaves, 1.0, "overcast", index);
+      rows.push_back({leaves, 1.0, "uniform", index});
+      rows.push_back({leaves, 1.0, "overcast", index});
     }
   }
-  result.rows = {{"light-voxels, beams", beams.value(), 1e-6, ""}, {"light-voxels, skies", skies.value(), 2e-3, ""}};
+  return rows;
+}
+
+double passedInVoxels(const BlackLayer& row) {
+  std::string text = R"({"voxelSize":1,"position":[0,0,0],"periodic":true,"gridSize":[1,10,1],"leafAngles":")" +
+                     row.leaves + R"(","ellipsoidRatio":)" + numberText(row.ratio) + R"(,"leafAreaDensity":)" +
+                     listOf(std::vector<double>(10, row.index / 10.0));
+  if (row.isBeam()) {
+    const Vec3 sun = row.lightOfRow().direction();
+    text += R"(,"directions":[)" + listOf({sun.x, sun.y, sun.z, 1.0}) + "]}";
+  } else {
+    text += R"(,"zenithAngles":32,"azimuthAngles":2,"sky":")" + row.light + R"("})";
+  }
+  return runProcess("light-voxels", text, queriesAt({{}}, {0.0})).replies.values[0];
+}
+
+/// Leaves at random in a layer whose normals have the distribution of a row.
+double passedLeaves(const BlackLayer& row, std::size_t leaves) {
+  constexpr double kSide = 10.0;
+  Canopy canopy;
+  const LeafAngleTable angles(row.leaves, row.ratio);
+  for (std::size_t i = 0; i < leaves; ++i) {
+    const Vec3 place{kSide * canopy.random(), 0.5 + 10.0 * canopy.random(), kSide * canopy.random()};
+    const double angle = angles.at(canopy.random());
+    const double azimuth = 2.0 * pi * canopy.random();
+    canopy.leaf(place, {core::sin(angle) * core::cos(azimuth), core::cos(angle), core::sin(angle) * core::sin(azimuth)},
+                row.index * kSide * kSide / static_cast<double>(leaves));
+  }
+  return rayFluxes(canopy, kSide, {Band{}}, row.lightOfRow(), 16, 16).front().down;
+}
+
+/// What passes below 60° of the zenith by the kind of leaves, and the closed form.
+void addBlackCurves(CaseResult& result) {
+  result.across = "zenith angle, degrees";
+  result.up = "part of the light that passes black leaves of index 1";
+  for (const std::string leaves : {"horizontal", "vertical", "spherical", "planophile", "erectophile", "plagiophile",
+                                   "extremophile", "uniform", "ellipsoidal"}) {
+    Curve own{leaves, false, {}};
+    Curve exact{leaves + ", exact", true, {}};
+    for (int zenith = 0; zenith <= 80; zenith += 10) {
+      const BlackLayer row{leaves, leaves == "ellipsoidal" ? 2.0 : 1.0, "zenith" + std::to_string(zenith), 1.0};
+      own.points.emplace_back(zenith, passedInVoxels(row));
+      exact.points.emplace_back(zenith, row.exact());
+    }
+    result.curves.push_back(std::move(own));
+    result.curves.push_back(std::move(exact));
+  }
+}
+
+CaseResult blackLayers(const Data&) {
+  CaseResult result;
+  LargestError beams;
+  LargestError skies;
+  LargestError leaves;
+  for (const BlackLayer& row : blackLayerRows()) {
+    (row.isBeam() ? beams : skies).add(std::abs(passedInVoxels(row) - row.exact()));
+    // some with leaves; all of them are the case layers-light
+    if (row.leaves == "spherical" && row.index == 1.0 && (row.light == "zenith60" || row.light == "uniform")) {
+      leaves.add(std::abs(passedLeaves(row, 40'000) - row.exact()));
+    }
+  }
+  result.rows = {{"light-voxels, beams", beams.value(), 1e-6, ""},
+                 {"light-voxels, skies", skies.value(), 2e-3, ""},
+                 {"light, 40000 leaves, a beam and a sky", leaves.value(), 0.01, ""}};
+  addBlackCurves(result);
+  return result;
+}
+
+CaseResult blackLayersOfLeaves(const Data&) {
+  CaseResult result;
+  LargestError beams;
+  LargestError skies;
+  result.across = "row of the table";
+  result.up = "part of the light that passes black leaves";
+  result.curves = {{"light", false, {}}, {"exact", true, {}}};
+  double number = 0.0;
+  for (const BlackLayer& row : blackLayerRows()) {
+    const double passed = passedLeaves(row, 200'000);
+    (row.isBeam() ? beams : skies).add(std::abs(passed - row.exact()));
+    number += 1.0;
+    result.curves[0].points.emplace_back(number, passed);
+    result.curves[1].points.emplace_back(number, row.exact());
+  }
+  result.rows = {{"light, 200000 leaves, beams", beams.value(), 0.01, ""},
+                 {"light, 200000 leaves, skies", skies.value(), 0.01, ""}};
+  return result;
+}
+
+// ---- what comes in goes out
+
+/// Leaves that take nothing over a ground that takes nothing, and a leaf over the whole plot.
+CaseResult closure(const Data&) {
+  CaseResult result;
+  LargestError rays;
+  LargestError voxels;
+  const Band white{0.5, 0.5, 1.0};
+  for (const double index : {0.5, 2.0, 5.0}) {
+    for (const bool isHorizontal : {false, true}) {
+      Canopy canopy;
+      canopy.layer(10.0, 10.0, index, 1000, isHorizontal);
+      for (const std::string light : {"27.4643", "60", "83.5289", "uniform", "overcast"}) {
+        rays.add(std::abs(1.0 - rayFluxes(canopy, 10.0, {white}, lightOf(light), 32, 16).front().up));
+        voxels.add(std::abs(1.0 - voxelFluxes(voxelLayer(index, isHorizontal), {white}, lightOf(light)).front().up));
+      }
+    }
+  }
+  result.rows = {{"light, without losses, reflected", rays.value(), 1e-3, ""},
+                 {"light-voxels, without losses, reflected", voxels.value(), 1e-3, ""}};
+  LargestError up;
+  LargestError down;
+  for (const Band& band : {Band{0.3, 0.2, 0.4}, Band{0.0735, 0.0566, 0.964}, Band{0.3912, 0.4146, 0.5568}}) {
+    Canopy sheet;
+    sheet.rectangle({0, 2, 0}, {0, 0, 10}, {10, 0, 0});
+    for (const std::string light : {"27.4643", "60", "uniform"}) {
+      const Fluxes fluxes = rayFluxes(sheet, 10.0, {band}, lightOf(light), 256, 16).front();
+      const double back = 1.0 - band.rho * band.ground;
+      up.add(std::abs(fluxes.up - band.rho - band.tau * band.tau * band.ground / back));
+      down.add(std::abs(fluxes.down - band.tau / back));
+    }
+  }
+  result.rows.push_back({"light, a leaf over the plot, reflected", up.value(), 1e-3, ""});
+  result.rows.push_back({"light, a leaf over the plot, down at the ground", down.value(), 1e-3, ""});
   return result;
 }
 
@@ -208,6 +337,9 @@ CaseResult viewFactors(const Data&) {
     double p1, p2, p3;
   };
   CaseResult result;
+  result.across = "arrangement";
+  result.up = "view factor";
+  result.curves = {{"light", false, {}}, {"exact", true, {}}};
   for (const auto& [kind, p1, p2, p3] :
        {Arrangement{"discs", 1, 1, 1}, Arrangement{"discs", 1, 0.5, 0.75}, Arrangement{"discs", 0.5, 2, 1},
         Arrangement{"rectangles", 1, 1, 1}, Arrangement{"rectangles", 1, 2, 0.5}, Arrangement{"rectangles", 1, 1, 3},
@@ -217,6 +349,9 @@ CaseResult viewFactors(const Data&) {
     const Pair pair = isTurned ? pairOf(kind, p2, p1, p3) : pairOf(kind, p1, p2, p3);
     const double own = factorBetween(pair.canopy, pair.canopy.count() / 2, pair.area);
     const double factor = isTurned ? own * p2 * p2 / (p1 * p1) : own;
+    const auto number = static_cast<double>(result.rows.size() + 1);
+    result.curves[0].points.emplace_back(number, factor);
+    result.curves[1].points.emplace_back(number, viewFactor(kind, p1, p2, p3));
     result.rows.push_back(
         {std::string(kind) + " " + numberText(p1) + " " + numberText(p2) + " " + numberText(p3) + ", relative",
          std::abs(factor / viewFactor(kind, p1, p2, p3) - 1.0), 0.005, ""});
@@ -233,12 +368,17 @@ CaseResult sunPositions(const Data& data) {
     return result;
   }
   LargestError error;
+  result.across = "row of the table";
+  result.up = "elevation of the sun, degrees";
+  result.curves = {{"Espalier", false, {}}, {"Reda & Andreas", true, {}}};
   for (std::size_t row = 0; row < table->rowCount(); ++row) {
     const environment::SunPosition sun =
         environment::sunPosition(environment::julianDayOf(table->text(row, "universal_time")).value_or(NAN),
                                  table->number(row, "latitude"), table->number(row, "longitude"));
     error.add(std::abs(sun.elevationRadians * 180.0 / pi - table->number(row, "elevation")));
     error.add(std::abs(sun.azimuthRadians * 180.0 / pi - table->number(row, "azimuth")));
+    result.curves[0].points.emplace_back(static_cast<double>(row), sun.elevationRadians * 180.0 / pi);
+    result.curves[1].points.emplace_back(static_cast<double>(row), table->number(row, "elevation"));
   }
   result.rows.push_back({"azimuth and elevation, degrees", error.value(), 0.02, ""});
   return result;
@@ -247,8 +387,10 @@ CaseResult sunPositions(const Data& data) {
 }  // namespace
 
 std::span<const Case> lightCases() {
-  static constexpr std::array<Case, 5> kCases{
+  static constexpr std::array<Case, 7> kCases{
       {{"layers", "Black leaves in layers: Beer's law, Campbell 1986", true, blackLayers},
+       {"layers-light", "Black leaves in layers, all rows by leaves at random in light", false, blackLayersOfLeaves},
+       {"closure", "Leaves without losses, and a leaf over the plot: closed forms", false, closure},
        {"layers-horizontal", "Horizontal leaves that scatter, over a ground: closed form", false, horizontalLayers},
        {"layers-spherical", "Spherical leaves that scatter, over a ground: discrete ordinates", false, sphericalLayers},
        {"view-factors", "View factors of squares, rectangles and discs: closed forms", true, viewFactors},

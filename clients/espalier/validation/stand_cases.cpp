@@ -1,14 +1,22 @@
-// Benchmarks of stands: shares of the ground, saturated seeding, self-thinning. Lengths in m.
+// Benchmarks of stands and trees: shares of the ground, saturated seeding, self-thinning, pipes. Lengths in m.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <string>
+#include <tuple>
 
 #include "clients/espalier/validation/closed_forms.h"
 #include "clients/espalier/validation/process_run.h"
 #include "clients/espalier/validation/validation.h"
+#include "engine/core/check.h"
 #include "engine/core/elementary.h"
+#include "engine/core/streams.h"
+#include "engine/language/compiler.h"
+#include "engine/simulation/simulation.h"
+#include "engine/turtle/scene/geometry.h"
 #include "environment/base/number_text.h"
 
 namespace espalier::validation {
@@ -145,12 +153,17 @@ CaseResult stands(const Data&) {
     result.rows.push_back({what + ", relative", std::abs(found / expected - 1.0), tolerance, ""});
   };
   constexpr double kZone = 5.0;
+  result.across = "mean number of zones over a point";
+  result.up = "part";
+  Curve shareCurve{"mean share", false, {}};
+  Curve coverCurve{"covered ground", false, {}};
   // m: mean number of zones over a point
   const auto meanOf = [](double density) { return density * pi * kZone * kZone; };
   for (const double density : {0.01, 0.02, 0.05}) {
     const double m = meanOf(density);
-    add("crowding, mean share of equal zones, density " + numberText(density), meanShare(density, kZone),
-        (1.0 - core::exp(-m)) / m, 0.01);
+    const double share = meanShare(density, kZone);
+    add("crowding, mean share of equal zones, density " + numberText(density), share, (1.0 - core::exp(-m)) / m, 0.01);
+    shareCurve.points.emplace_back(m, share);
   }
   const std::vector<double> ranks{0.25, 0.75};
   const std::vector<double> shares = sharesOfRanks(0.02, kZone, ranks);
@@ -159,8 +172,9 @@ CaseResult stands(const Data&) {
         core::exp(-meanOf(0.02) * ranks[k]), 0.03);
   }
   for (const double density : {0.02, 0.05}) {
-    add("crowding, covered ground, density " + numberText(density), coverage(density, kZone),
-        1.0 - core::exp(-meanOf(density)), 0.01);
+    const double covered = coverage(density, kZone);
+    add("crowding, covered ground, density " + numberText(density), covered, 1.0 - core::exp(-meanOf(density)), 0.01);
+    coverCurve.points.emplace_back(meanOf(density), covered);
   }
   const double free = core::exp(-meanOf(0.02));
   add("honda, plants that stand alone", alone("honda", R"({"radius":)" + numberText(kZone) + "}", 0.02, kZone, 1.0),
@@ -168,6 +182,13 @@ CaseResult stands(const Data&) {
   add("ecosystem, plants that stand alone", alone("ecosystem", "{}", 0.02, kZone, 0.5 * kZone), free, 0.02);
   add("crowding, lens of equal discs", lens(2, 2, 1), lensArea(2, 2, 1), 0.005);
   add("crowding, lens of two discs", lens(3, 2, 2.5), lensArea(3, 2, 2.5), 0.005);
+  Curve exactShare{"mean share, exact", true, {}};
+  Curve exactCover{"covered ground, exact", true, {}};
+  for (double m = 0.5; m <= 4.0; m += 0.1) {
+    exactShare.points.emplace_back(m, (1.0 - core::exp(-m)) / m);
+    exactCover.points.emplace_back(m, 1.0 - core::exp(-m));
+  }
+  result.curves = {std::move(shareCurve), std::move(exactShare), std::move(coverCurve), std::move(exactCover)};
   return result;
 }
 
@@ -179,6 +200,7 @@ CaseResult saturatedSeeding(const Data&) {
   Dice dice;
   std::vector<Vec3> plants;
   auto process = openProcess("crowding", R"({"samples":1,)" + extentOf(kSide) + "}");
+  Curve seeded{"crowding", false, {}};
   const auto apart = [](double a, double b) { return std::min(std::abs(a - b), kSide - std::abs(a - b)); };
   for (std::size_t tries = 0; tries < kTries; tries += kBatch) {
     std::vector<Vec3> places = plants;
@@ -201,17 +223,19 @@ CaseResult saturatedSeeding(const Data&) {
         plants.push_back(places[i]);
       }
     }
+    const double all = static_cast<double>(tries + kBatch) / (kSide * kSide);
+    seeded.points.emplace_back(core::log10(all), static_cast<double>(plants.size()) / (kSide * kSide));
   }
   const double density = static_cast<double>(plants.size()) / (kSide * kSide);
-  return {{{"crowding, N R^2/area beyond 0.69 after 2500 tries per R^2", std::abs(density - 0.69), 0.01, ""}},
-          {},
-          {},
-          {},
-          {}};
+  CaseResult result;
+  result.rows = {{"crowding, N R^2/area beyond 0.69 after 2500 tries per R^2", std::abs(density - 0.69), 0.01, ""}};
+  result.across = "log10 of tries per R^2";
+  result.up = "N R^2/area";
+  Curve limit{"limit, Hinrichsen, Feder & Jossang 1986", true, {{0.0, 0.697}, {seeded.points.back().first, 0.697}}};
+  result.curves = {std::move(seeded), std::move(limit)};
+  return result;
 }
 
-/// The slope of log mean mass on log density by reduced major axis, of plants that keep their shape: radius grows by
-/// the share, mass is a power of the radius.
 /// The slope of y on x by reduced major axis, for a relation that falls.
 double fallingSlope(const std::vector<std::pair<double, double>>& points) {
   double x = 0.0;
@@ -229,6 +253,8 @@ double fallingSlope(const std::vector<std::pair<double, double>>& points) {
   return -std::sqrt(yy / xx);
 }
 
+/// The slope of log mean mass on log density by reduced major axis, of plants that keep their shape: radius grows by
+/// the share, mass is a power of the radius.
 CaseResult selfThinning(const Data&) {
   struct Shape {
     const char* name;
@@ -283,18 +309,99 @@ CaseResult selfThinning(const Data&) {
                            std::abs(slope + 0.5 * shape.power), 0.1, ""});
     result.across = "ln density";
     result.up = "ln mean mass";
+    // the line of that slope through the middle of the points
+    const auto& [fromX, fromY] = shape.points.front();
+    const auto& [toX, toY] = shape.points.back();
+    const auto lineAt = [&](double x) { return 0.5 * (fromY + toY) - 0.5 * shape.power * (x - 0.5 * (fromX + toX)); };
+    Curve law{name + ", slope " + numberText(-0.5 * shape.power).substr(0, 6),
+              true,
+              {{fromX, lineAt(fromX)}, {toX, lineAt(toX)}}};
     result.curves.push_back({name, false, std::move(shape.points)});
+    result.curves.push_back(std::move(law));
   }
+  return result;
+}
+
+// ---- pipes
+
+/// Conductance of a straight root of 0.5 m by the process `xylem`, whose xylem is so many vessels of a radius in
+/// micrometres.
+double rootOfVessels(double count, double radius, double rootRadius, double kr) {
+  auto geometry = std::make_shared<turtle::Geometry>();
+  geometry->start.push_back({0, 0, 0});
+  geometry->end.push_back({0, -0.5, 0});
+  geometry->startWidth.push_back(2.0 * rootRadius);
+  geometry->endWidth.push_back(2.0 * rootRadius);
+  geometry->segments.plant.push_back(0);
+  geometry->segments.module.push_back(0);
+  geometry->segments.symbol.push_back(1);
+  geometry->segments.colour.push_back(0);
+  geometry->segments.branchOrder.push_back(0);
+  turtle::QueryBatch queries = queriesAt({{0, -0.5, 0}}, std::vector<double>(10, 0.0));
+  queries.module.front() = 1;
+  queries.geometry = geometry;
+  const std::string keys = R"({"collar":"head","collarHead":-5,"soilHead":-1,"kr":)" + numberText(kr) +
+                           R"(,"vessels":[[1,0,)" + numberText(count) + "," + numberText(radius) + "]]}";
+  return runProcess("xylem", keys, queries).replies.values[7];
+}
+
+/// A mother branch whose width^p is the sum of those of its daughters, which have the width 1: the ratio of the widths
+/// by a model that adds them from the tips.
+double ratioOfModel(int daughters, double exponent) {
+  std::string tips;
+  std::string context;
+  std::string sum;
+  for (int k = 0; k < daughters; ++k) {
+    const std::string name = "w" + std::to_string(k);
+    tips += "[T(1)]";
+    context += "[T(" + name + ")]";
+    sum += (k == 0 ? "" : "+") + name + "^p";
+  }
+  core::MemoryFileProvider files;
+  files.add("pipes.l", "#define p " + numberText(exponent) + "\nLsystem: 1\nderivation length: 1\nAxiom: M(0)" + tips +
+                           "\nM(w) > " + context + " --> M((" + sum + ")^(1/p))\nendlsystem\n");
+  language::CompileInput input;
+  input.modelFile = "pipes.l";
+  const language::CompileResult compiled = language::compile(input, files);
+  ESPALIER_CHECK(compiled.program != nullptr);
+  simulation::Simulation plant(compiled.program, {turtle::PlantPlacement{}}, nullptr, {});
+  ESPALIER_CHECK(!plant.rewind() && !plant.step());
+  const std::string text = plant.stringText();
+  return 1.0 / std::stod(text.substr(text.find('(') + 1));
+}
+
+CaseResult pipes(const Data&) {
+  // Hagen and Poiseuille: N pi r^4 rho g/(8 mu) in cm3/day, with water at 20 degrees
+  constexpr double kRootRadius = 0.002;
+  constexpr double kRadial = 0.017;
+  LargestError vessels;
+  for (const auto& [radius, count, conductance] : {std::tuple{20.0, 1.0, 0.05305637}, {50.0, 6.0, 12.435087}}) {
+    const double kx = conductance * 1e-6;
+    const double perLength = 2.0 * pi * kRootRadius * kRadial;
+    const double decay = core::exp(-2.0 * std::sqrt(perLength / kx) * 0.5);
+    const double expected = std::sqrt(perLength * kx) * (1.0 - decay) / (1.0 + decay);  // the hyperbolic tangent
+    vessels.add(std::abs(rootOfVessels(count, radius, kRootRadius, kRadial) / expected - 1.0));
+  }
+  LargestError ratios;
+  for (const auto& [daughters, exponent, ratio] :
+       {std::tuple{2, 2.0, 0.70710678}, {2, 3.0, 0.79370053}, {3, 2.5, 0.64439401}}) {
+    ratios.add(std::abs(ratioOfModel(daughters, exponent) / ratio - 1.0));
+  }
+  CaseResult result;
+  result.rows = {{"xylem, a root of 1 vessel of 20 um or 6 of 50 um, relative", vessels.value(), 1e-7, ""},
+                 {"widths by the pipe model, exponents 2, 2.5 and 3, relative", ratios.value(), 1e-7, ""}};
   return result;
 }
 
 }  // namespace
 
 std::span<const Case> standCases() {
-  static constexpr std::array<Case, 3> kCases{
+  static constexpr std::array<Case, 4> kCases{
       {{"stands", "Shares of the ground between plants at random: closed forms", true, stands},
        {"seeding", "Seeds that live only where no zone is: Hinrichsen, Feder & Jossang 1986", false, saturatedSeeding},
-       {"self-thinning", "Mean mass on density in a closed stand: Yoda et al. 1963", true, selfThinning}}};
+       {"self-thinning", "Mean mass on density in a closed stand: Yoda et al. 1963", true, selfThinning},
+       {"pipes", "Vessels (Hagen 1839, Poiseuille 1846) and widths of branches by the pipe model: closed forms", true,
+        pipes}}};
   return kCases;
 }
 
