@@ -36,8 +36,12 @@ export const running = { server: null, address: "" };
 export const problems = [];
 let browser;
 
-export async function open(address, ready = "shown") {
+/** A new page at `address`; `script`: what runs in it before all other scripts. */
+export async function open(address, ready = "shown", script = null) {
   const page = await browser.newPage({ viewport: SIZE });
+  if (script) {
+    await page.addInitScript(script);
+  }
   page.setDefaultTimeout(PATIENCE.timeout);
   // looks by the clock: a browser without a graphics card may stop drawing frames for a while
   const waitForFunction = page.waitForFunction.bind(page);

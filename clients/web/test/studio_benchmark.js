@@ -1,15 +1,38 @@
 // How fast the studio is, in Chromium at a real server: rows for `./dev bench studio`, as JSON in the file ESPALIER_ROWS. The browser
-// draws without a graphics card, so everything that draws is slower than on a desk.
+// draws without a graphics card, so everything that draws is slower than on a desk. So each time is measured twice: with the pictures
+// drawn, and without (the page does everything, up to the calls that have the card draw triangles).
 import { writeFileSync } from "node:fs";
 import { test } from "node:test";
 import { open, running } from "./pages.js";
 
 const rows = [];
+let isDrawn = true;
 const share = (times, part) => [...times].sort((a, b) => a - b)[Math.min(times.length - 1, Math.floor(times.length * part))];
 function add(what, times, target) {
-  rows.push({ what, times: times.length, median: share(times, 0.5), p95: share(times, 0.95), target });
+  const shares = { median: share(times, 0.5), p95: share(times, 0.95) };
+  if (isDrawn) {
+    rows.push({ what, times: times.length, ...shares, target });
+  } else {
+    rows.find((row) => row.what === what).undrawn = shares;
+  }
   writeFileSync(process.env.ESPALIER_ROWS, JSON.stringify(rows));
 }
+
+/** A new page; while `isDrawn` is false, its calls that draw triangles do nothing. */
+const openPage = (address, ready) =>
+  open(address, ready, isDrawn ? undefined : () => {
+    for (const call of ["drawElements", "drawArrays", "drawElementsInstanced", "drawArraysInstanced"]) {
+      WebGL2RenderingContext.prototype[call] = () => {};
+    }
+  });
+
+/** Measures twice: with and without drawing. */
+const measure = (name, act) =>
+  test(name, async () => {
+    for (isDrawn of [true, false]) {
+      await act();
+    }
+  });
 
 /** In the page: `timed(act)` is the time from an action to the end of the frame that draws its plant. */
 const prepare = (page) =>
@@ -34,11 +57,11 @@ const prepare = (page) =>
 const grown = (page, title, text, until) =>
   page.evaluate(([name, model, step]) => studio.openDocument({ title: name, main: "model.l", binary: {}, environment: null, gallery: null, files: { "model.l": model } }, step ?? undefined), [title, text, until]);
 
-test("opening", async () => {
+measure("opening", async () => {
   const times = [];
   for (let i = 0; i < 5; ++i) {
     const begin = performance.now();
-    const page = await open(`${running.address}/`, "opened");
+    const page = await openPage(`${running.address}/`, "opened");
     await page.waitForFunction(() => document.getElementById("plant")?.dataset.step !== undefined, null, { polling: 10 });
     times.push(performance.now() - begin);
     await page.close();
@@ -46,8 +69,8 @@ test("opening", async () => {
   add("open the page, to the first plant", times, 1500);
 });
 
-test("slider", async () => {
-  const page = await open(`${running.address}/#gallery=parametric-tree&seed=1`);
+measure("slider", async () => {
+  const page = await openPage(`${running.address}/#gallery=parametric-tree&seed=1`);
   await prepare(page);
   const modules = await page.evaluate(() => studio.statistics.at(-1).modules);
   const times = await page.evaluate(async () => {
@@ -69,8 +92,8 @@ test("slider", async () => {
   await page.close();
 });
 
-test("time", async () => {
-  const page = await open(`${running.address}/#gallery=branch-tiers`);
+measure("time", async () => {
+  const page = await openPage(`${running.address}/#gallery=branch-tiers`);
   await grown(page, "long", "Lsystem: 1\nderivation length: 500\nAxiom: A\nA --> F(0.1)[+F(0.05)]/(137)A\nendlsystem\n");
   await page.waitForFunction(() => studio.step === 500 && studio.counts.waiting === 0);
   await prepare(page);
@@ -86,30 +109,31 @@ test("time", async () => {
   await page.close();
 });
 
-test("changes", async () => {
-  const page = await open(`${running.address}/#gallery=branch-tiers`);
+measure("changes", async () => {
+  const page = await openPage(`${running.address}/#gallery=branch-tiers`);
   // a quarter of a million segments (more would be drawn for minutes); then one in sixty, in branches of its own, grows
   const model = "Lsystem: 1\nderivation length: 20\nAxiom: A(9)\nA(n) : n == 3 --> A(2)A(2)A(2)A(2)[+G(1)]\nA(n) : n > 0 --> A(n-1)A(n-1)A(n-1)A(n-1)\nA(n) --> F(0.1)+(1)\nG(l) --> G(l*1.01)\nendlsystem\n";
-  // what the graphics card does without a card is no matter here
+  // what is drawn is no matter here
   await page.getByLabel("shadows").uncheck();
   await page.getByLabel("ground").uncheck();
   await grown(page, "million", model, 10);
   await page.waitForFunction(() => studio.step === 10 && document.getElementById("plant").dataset.step === "10", null, { timeout: 300_000 });
   await prepare(page);
-  const { times, figures } = await page.evaluate(async () => {
+  const { times, figures } = await page.evaluate(async (steps) => {
     const found = [];
-    for (let i = 0; i < 8; ++i) {
+    for (let i = 0; i < steps; ++i) {
       await timed(() => void studio.stepOnce());
       found.push(window.updateTime);
     }
     return { times: found, figures: studio.view.figures() };
-  });
+  }, isDrawn ? 8 : 60); // a drawn step takes seconds
+
   add(`script for a frame, 1.6 % of ${figures.segments} segments new, ${figures.calls} draw calls, ${figures.segmentBytes} bytes a segment`, times, 8);
   await page.close();
 });
 
-test("language", async () => {
-  const page = await open(`${running.address}/#gallery=branch-tiers`);
+measure("language", async () => {
+  const page = await openPage(`${running.address}/#gallery=branch-tiers`);
   const times = await page.evaluate(async () => {
     const lines = Array.from({ length: 2000 }, (_, i) => `A(x) : x == ${i} --> F(x*${i})[+(20)B(x+${i})]A(x+1)`);
     const text = `Lsystem: 1\nderivation length: 1\nAxiom: A(1)\n${lines.join("\n")}\nendlsystem\n`;
