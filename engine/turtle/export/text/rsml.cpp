@@ -225,8 +225,8 @@ class RsmlWriter {
   }
 
   void writeFunctions(const Axis& axis, const RsmlLabels::Root* label) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    const auto orNone = [](double width) { return width > kSmallestWidth ? width : kNone; };
+    constexpr double kNoSample = std::numeric_limits<double>::quiet_NaN();
+    const auto orNone = [](double width) { return width > kSmallestWidth ? width : kNoSample; };
     const bool hasFirst = label != nullptr && !std::isnan(label->firstDiameter);
     // roots that were read from a file may have no diameters
     std::vector<double> values{hasFirst ? label->firstDiameter : segments_[axis.segments.front()].startWidth};
