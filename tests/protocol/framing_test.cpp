@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 namespace espalier::protocol {
 namespace {
 
@@ -86,6 +89,24 @@ TEST(MessageReader, BlocksComeWithTheirMessageHoweverTheBytesArriveInPieces) {
     expectBothRequests(reader, 5);
     EXPECT_FALSE(reader.next().has_value());
     EXPECT_FALSE(reader.hasPartialMessage());
+  }
+}
+
+TEST(MessageReader, APieceMayHaveTheEndOfABlockAndTheNextMessage) {
+  const std::string bytes = twoRequests(5);
+  for (std::size_t piece = 1; piece <= bytes.size(); ++piece) {
+    MessageReader reader{FrameLimits{}};
+    reader.allowBlocks();
+    std::vector<std::string> methods;
+    // read after each piece, so that blocks wait for their rest
+    for (std::size_t i = 0; i < bytes.size(); i += piece) {
+      reader.feed(std::string_view(bytes).substr(i, piece));
+      for (auto read = reader.next(); read.has_value(); read = reader.next()) {
+        methods.push_back(messageOf(std::move(read)).method);
+      }
+    }
+    EXPECT_EQ(methods.size(), 2U) << piece;
+    EXPECT_FALSE(reader.hasPartialMessage()) << piece;
   }
 }
 
