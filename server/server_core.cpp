@@ -202,7 +202,7 @@ void ServerCore::loadOne(const Store::Entry& entry) {
     const Store::State state = store_.readState(entry.id);
     information.damage = state.problem;
     if (state.problem.empty()) {
-      auto loaded = HostedSimulation::load(std::move(*known), state.bytes, limits().simulation,
+      auto loaded = HostedSimulation::load(std::move(*record), state.bytes, limits().simulation,
                                            environmentServices(), store_);
       if (loaded) {
         Account& owner = accounts_.of(entry.owner);

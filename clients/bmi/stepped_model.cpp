@@ -68,10 +68,10 @@ std::string textOf(double value) {
 }
 
 std::string orThrow(simulation::EditedSnapshot edited) {
-  if (const auto* error = std::get_if<core::SimulationError>(&edited)) {
-    throw BmiError(error->message);
+  if (!edited) {
+    throw BmiError(edited.error().message);
   }
-  return std::move(std::get<std::string>(edited));
+  return std::move(*edited);
 }
 
 }  // namespace
@@ -159,10 +159,10 @@ double SteppedModel::output(const std::string& name) const {
     throw BmiError("there is no output '" + name + "'. Outputs: modules, height, count:SYMBOL, sum:SYMBOL:PARAMETER.");
   }
   const auto drawn = simulation_->turtleRecords();
-  if (const auto* error = std::get_if<core::SimulationError>(&drawn)) {
-    throw BmiError(error->message);
+  if (!drawn) {
+    throw BmiError(drawn.error().message);
   }
-  const auto& records = std::get<std::vector<turtle::TurtleRecord>>(drawn);
+  const auto& records = *drawn;
   const std::string symbol = first == std::string::npos ? "" : name.substr(first + 1, second - first - 1);
   double value = 0.0;
   bool isFirst = true;

@@ -17,7 +17,7 @@ namespace espalier::server {
 struct ChannelOptions {
   std::chrono::milliseconds connectTimeout{5'000};
   /// How long a peer may take to answer `hello`; one that does not is taken for a minimal environment.
-  std::chrono::milliseconds introductionTimeout{2'000};
+  std::chrono::milliseconds introductionTimeout{10'000};
   protocol::FrameLimits limits;
   bool offersBlocks = true;  // names the capability `bin`
 };

@@ -16,7 +16,7 @@ struct RemoteProcessOptions {
   std::chrono::milliseconds stepTimeout{60'000};
   /// How long a peer may take to answer environment.describe. A silent peer is treated as a minimal environment: it is
   /// sent everything, and asked only for steps.
-  std::chrono::milliseconds introductionTimeout{2'000};
+  std::chrono::milliseconds introductionTimeout{10'000};
   std::string configurationJson;                 // text of an object for environment.open; empty: none
   std::optional<protocol::BoundsRecord> bounds;  // of the space that the plants may fill, for environment.open
   /// A peer that is away is not an error before the first step (simulations loaded from disk).

@@ -509,6 +509,18 @@ class EnvironmentCheck(unittest.TestCase):
         slow = ("import time\ntime.sleep(2.2)\nclass Slow(Environment):\n    def answer(self, query):\n        return [1]\nSlow.serve()\n")
         self.assertIn("ok    describe: slow, needs", self.check(slow))
 
+    def test_a_run_waits_for_one_that_starts_slowly_too(self) -> None:
+        # 4 s: such a one was once taken for one that only answers environment.step, and not opened
+        with tempfile.TemporaryDirectory() as folder:
+            script = Path(folder) / "slow.py"
+            script.write_text("import time\ntime.sleep(4.2)\nfrom espalier import Environment\nclass Slow(Environment):\n"
+                              "    isOpen = 0\n    def opened(self):\n        self.isOpen = 1\n"
+                              "    def answer(self, query):\n        return [self.isOpen]\nSlow.serve()\n", encoding="utf-8")
+            model_file = Path(folder) / "model.l"
+            model_file.write_text("Lsystem: 1\nderivation length: 1\nAxiom: A\nA --> ?E(7)\nendlsystem\n", encoding="utf-8")
+            run = espalier("derive", str(model_file), "--environment", "stdio:" + " ".join(f"'{word}'" for word in python(script)))
+            self.assertEqual(run.stdout.strip(), "?E(1)")
+
     def test_built_ins_are_right(self) -> None:
         for name in ("height", "honda", "density3d"):
             found = espalier("environment", "check", f"stdio:'{program()}' environment {name} --stdio").stdout

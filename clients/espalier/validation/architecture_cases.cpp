@@ -120,8 +120,8 @@ std::vector<RootTraits> grow(const std::shared_ptr<const language::Program>& pro
   for (auto failure = plant.rewind(); traits.size() <= static_cast<std::size_t>(steps); failure = plant.step()) {
     ESPALIER_CHECK(!failure.has_value());
     const auto scene = plant.scene();
-    ESPALIER_CHECK(std::holds_alternative<turtle::Scene>(scene));
-    traits.push_back(roots::traitsOf(roots::rootsOf(std::get<turtle::Scene>(scene)), 1));
+    ESPALIER_CHECK(scene.has_value());
+    traits.push_back(roots::traitsOf(roots::rootsOf(*scene), 1));
   }
   return traits;
 }

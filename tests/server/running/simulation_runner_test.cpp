@@ -50,7 +50,7 @@ class HeldTurns : public testing::Test {
 
   HeldTurns() {
     SimulationRecord record;
-    record.id = std::get<std::string>(core_.reserve("1", "owner"));
+    record.id = core_.reserve("1", "owner").value();
     core::MemoryFileProvider files;
     files.add("model.l", "Lsystem: 1\nderivation length: 3\nAxiom: A\nA --> A\nendlsystem\n");
     language::CompileInput input;
@@ -59,7 +59,7 @@ class HeldTurns : public testing::Test {
     auto made =
         HostedSimulation::create(record, {language::compile(input, files).program}, {}, core_.limits().simulation,
                                  core_.environmentServices(), core_.store(), interruption);
-    core_.add(record.id, std::move(std::get<std::unique_ptr<HostedSimulation>>(made)));
+    core_.add(record.id, std::move(made.value()));
     runner_ = core_.find(record.id);
   }
   ~HeldTurns() override { core_.waitForWorkers(); }
