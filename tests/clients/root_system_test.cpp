@@ -249,7 +249,7 @@ TEST(RsmlReader, TheLastPointsMayHaveNoSample) {
 TEST(RsmlReader, MorePointsThanAreAllowedEndTheReading) {
   const auto refused = readRsml(rootWith(kThreePoints, ""), 2);
   ASSERT_FALSE(refused);
-  EXPECT_TRUE(refused.error().starts_with("line 2: the file has more than 2 points, which is as many as can be drawn"))
+  EXPECT_TRUE(refused.error().starts_with("line 1: the file has more than 2 points, which is as many as can be drawn"))
       << refused.error();
 }
 

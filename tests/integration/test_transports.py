@@ -517,7 +517,7 @@ class EnvironmentCheck(unittest.TestCase):
                               "    isOpen = 0\n    def opened(self):\n        self.isOpen = 1\n"
                               "    def answer(self, query):\n        return [self.isOpen]\nSlow.serve()\n", encoding="utf-8")
             model_file = Path(folder) / "model.l"
-            model_file.write_text("Lsystem: 1\nderivation length: 1\nAxiom: A\nA --> ?E(7)\nendlsystem\n", encoding="utf-8")
+            model_file.write_text("Lsystem: 1\nderivation length: 2\nAxiom: A\nA --> ?E(7)\nendlsystem\n", encoding="utf-8")
             run = espalier("derive", str(model_file), "--environment", "stdio:" + " ".join(f"'{word}'" for word in python(script)))
             self.assertEqual(run.stdout.strip(), "?E(1)")
 

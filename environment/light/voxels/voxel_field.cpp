@@ -10,6 +10,10 @@ namespace {
 
 using core::Vec3;
 
+// in voxels. A place farther away has too few digits to walk on from; nobody lays out a stand as long as the longest way
+constexpr double kFar = 1e6;
+constexpr double kLongestWay = 1e5;
+
 std::int64_t wrapped(std::int64_t value, std::int64_t count) {
   const std::int64_t rest = value % count;
   return rest < 0 ? rest + count : rest;
@@ -122,39 +126,65 @@ Vec3 VoxelField::middleOf(std::size_t index) const {
   return {place[0], place[1], place[2]};
 }
 
-double VoxelField::integralAlong(const Vec3& from, const Vec3& direction) const {
-  // in units of voxels, axes in the order a, b, layer; layers count upwards
+VoxelField::Way VoxelField::wayOf(const Vec3& from, const Vec3& direction) const {
   const auto origin = componentsOf(from);
   const auto low = componentsOf(shape_.position);
   const auto way = componentsOf(direction);
   const std::array<std::int64_t, 3> counts{countA_, countB_, layers_};
-  std::array<double, 3> start{};
-  std::array<double, 3> step{};
+  Way found;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto axis = static_cast<std::size_t>(axis_[k]);
-    start[k] = (origin[axis] - low[axis]) / shape_.voxelSize;
-    step[k] = way[axis];
+    found.start[k] = (origin[axis] - low[axis]) / shape_.voxelSize;
+    found.step[k] = way[axis];
   }
   if (sign_ < 0.0) {
-    start[2] = static_cast<double>(layers_) - start[2];
-    step[2] = -step[2];
+    found.start[2] = static_cast<double>(layers_) - found.start[2];
+    found.step[2] = -found.step[2];
   }
   // the part of the ray in the box, or between its planes when it repeats itself
-  double t = 0.0;
-  double end = std::numeric_limits<double>::infinity();
+  found.end = std::numeric_limits<double>::infinity();
   for (std::size_t k = shape_.isPeriodic ? 2 : 0; k < 3; ++k) {
     const auto count = static_cast<double>(counts[k]);
-    if (step[k] == 0.0) {
-      if (start[k] < 0.0 || start[k] >= count) {
-        return 0.0;
-      }
+    if (found.step[k] == 0.0) {
+      found.end = found.start[k] < 0.0 || found.start[k] >= count ? 0.0 : found.end;
       continue;
     }
-    const double a = -start[k] / step[k];
-    const double b = (count - start[k]) / step[k];
-    t = std::max(t, std::min(a, b));
-    end = std::min(end, std::max(a, b));
+    const double a = -found.start[k] / found.step[k];
+    const double b = (count - found.start[k]) / found.step[k];
+    found.begin = std::max(found.begin, std::min(a, b));
+    found.end = std::min(found.end, std::max(a, b));
   }
+  if (shape_.isPeriodic && found.begin < found.end) {
+    shorten(found);
+  }
+  return found;
+}
+
+void VoxelField::shorten(Way& way) const {
+  const std::array<std::int64_t, 3> counts{countA_, countB_, layers_};
+  if (way.begin > kFar) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      way.start[k] += way.step[k] * way.begin;
+    }
+    way.end -= way.begin;
+    way.begin = 0.0;
+  }
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (!(std::abs(way.start[k]) < kFar)) {
+      const double rest = std::fmod(way.start[k], static_cast<double>(counts[k]));
+      way.start[k] = std::isfinite(rest) ? rest : 0.0;
+    }
+  }
+  if (way.end - way.begin > kLongestWay) {
+    way.share = (way.end - way.begin) / kLongestWay;
+    way.end = way.begin + kLongestWay;
+  }
+}
+
+double VoxelField::integralAlong(const Vec3& from, const Vec3& direction) const {
+  const std::array<std::int64_t, 3> counts{countA_, countB_, layers_};
+  const auto [start, step, begin, end, share] = wayOf(from, direction);
+  double t = begin;
   if (!(t < end)) {
     return 0.0;
   }
@@ -189,7 +219,7 @@ double VoxelField::integralAlong(const Vec3& from, const Vec3& direction) const 
       cell[k] = wrapped(cell[k], counts[k]);
     }
   }
-  return integral * shape_.voxelSize;
+  return integral > 0.0 ? integral * share * shape_.voxelSize : 0.0;
 }
 
 void VoxelField::sumLayers() {

@@ -55,7 +55,7 @@ class VoxelField {
   [[nodiscard]] core::Vec3 middleOf(std::size_t index) const;
 
   /// Integral of the values along the ray from a point in the direction of a unit vector until it leaves the box.
-  /// Periodic: the direction must not be horizontal. O(voxels on the way).
+  /// Periodic: after 100,000 voxel sides the rest of a way counts as the first part. O(voxels on the way).
   [[nodiscard]] double integralAlong(const core::Vec3& from, const core::Vec3& direction) const;
 
   /// Prepares boxSum() for the present values: sums over rectangles of every layer. One pass that reads and writes one
@@ -66,6 +66,20 @@ class VoxelField {
   [[nodiscard]] double boxSum(const Voxel& voxel, std::int64_t reach) const;
 
  private:
+  /// The part of a ray in the box, or between its planes when it repeats itself. Lengths in sides of voxels, axes in the
+  /// order a, b, layer; layers count upwards.
+  struct Way {
+    std::array<double, 3> start{};
+    std::array<double, 3> step{};
+    double begin = 0.0;  // along the ray
+    double end = 0.0;
+    double share = 1.0;  // whole length / length from begin to end
+  };
+
+  [[nodiscard]] Way wayOf(const core::Vec3& from, const core::Vec3& direction) const;
+  /// Moves a far origin near, and cuts a way that is too long.
+  void shorten(Way& way) const;
+
   [[nodiscard]] double sumBelow(std::int64_t layer, std::int64_t a, std::int64_t b) const {
     return sums_[static_cast<std::size_t>((layer * (countA_ + 1) + a) * (countB_ + 1) + b)];
   }
