@@ -2,6 +2,7 @@
 
 import json
 import re
+import subprocess
 import sys
 import tempfile
 import textwrap
@@ -98,6 +99,12 @@ class Transports(unittest.TestCase):
                 for simulation in simulations:
                     self.assertTrue(simulation.step(4).finished)
                     self.assertEqual(simulation.string(), expected)
+
+    def test_a_token_file_without_a_token_is_named(self) -> None:
+        command = python(EXAMPLES / "ceiling.py", "--offer", "127.0.0.1:1", "--token-file", self.write("empty", "\n"))
+        done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("empty' cannot be read, or its first line is empty. `espalier token new NAME -o FILE` makes one.", done.stderr)
 
     def test_the_environment_of_ten_lines_of_the_readme(self) -> None:
         source = (EXAMPLES / "ceiling.py").read_text(encoding="utf-8")

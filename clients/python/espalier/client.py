@@ -89,13 +89,23 @@ class Client:
 
     # ---- any method --------------------------------------------------------------------------------------------
 
-    def call(self, method: str, parameters: Optional[Mapping[str, Any]] = None) -> Any:
-        """Sends a request of protocol/README.md and returns its result.
+    def call(self, method: str, parameters: Optional[Mapping[str, Any]] = None, *,
+             seconds: Optional[float] = None) -> Any:
+        """Sends a request of protocol/README.md and returns its result. After `seconds` (None: never) the client asks the
+        server to cancel it: ServerError 1010, and the simulation stays at its last completed step.
 
         >>> client.call("server.status")["protocol"]
         1
         """
-        return self._wait_for(self._start(method, parameters or {}), method)
+        identifier = self._start(method, parameters or {})
+        if seconds is None:
+            return self._wait_for(identifier, method)
+        timer = threading.Timer(seconds, self.notify, ("$/cancel", {"id": identifier}))
+        timer.start()
+        try:
+            return self._wait_for(identifier, method)
+        finally:
+            timer.cancel()
 
     def notify(self, method: str, parameters: Mapping[str, Any]) -> None:
         """Sends a notification: nothing is answered."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 
+from .errors import EspalierError
 from .websocket import WebSocketChannel
 from .wire import Channel, SocketChannel, encrypted, nothing_answers, parse_address
 
@@ -26,3 +27,16 @@ def connect(address: str, timeout: float) -> Channel:
     if separator and scheme == "tls":
         return SocketChannel(encrypted(rest, timeout), address)
     return SocketChannel.connect(*parse_address(address), timeout)
+
+
+def token_in(file: str) -> str:
+    """The token in the first line of a file."""
+    try:
+        with open(file, encoding="utf-8") as opened:
+            token = opened.readline().strip()
+    except (OSError, UnicodeError):
+        token = ""
+    if not token:
+        raise EspalierError(f"The token file '{file}' cannot be read, or its first line is empty. "
+                            "`espalier token new NAME -o FILE` makes one.")
+    return token

@@ -18,7 +18,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Type, Union
 
 from . import wire
 from .blocks import Blocks, numpy
-from .connecting import connect
+from .connecting import connect, token_in
 from .environment_process import EnvironmentProcess
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError
 from .geometry import NAMES, Geometry, read_geometry
@@ -38,15 +38,6 @@ CLIENT_ROLES = ("controller", "viewer")
 
 CONNECT_SECONDS = 10.0
 RECONNECT_SECONDS = 1.0
-
-
-class _Refusal(Exception):
-    """A request that is answered with an error."""
-
-    def __init__(self, code: int, message: str, data: Any = None) -> None:
-        super().__init__(message)
-        self.code = code
-        self.data = data
 
 
 class _Simulation:
@@ -93,9 +84,9 @@ class Host:
         parameters = message.get("params", {})
         try:
             if not isinstance(parameters, dict):
-                raise _Refusal(wire.INVALID_PARAMETERS, "params: expected an object.", {"path": "params"})
+                raise wire.Refusal(wire.INVALID_PARAMETERS, "params: expected an object.", {"path": "params"})
             reply = self._call(method, parameters, message.blocks)
-        except _Refusal as refusal:
+        except wire.Refusal as refusal:
             response = wire.failure(identifier, refusal.code, str(refusal), refusal.data)
         except ProtocolError as error:
             path = str(error).split(":")[0]
@@ -130,14 +121,14 @@ class Host:
             return Reply(hello_result(self._class.name(), parameters))
         if method == "ping":
             return Reply({})
-        raise _Refusal(wire.METHOD_NOT_FOUND, f"An environment does not know the method '{method}'. It knows "
+        raise wire.Refusal(wire.METHOD_NOT_FOUND, f"An environment does not know the method '{method}'. It knows "
                        "environment.describe, open, step, save, restore and close.")
 
     def _find(self, parameters: Dict[str, Any]) -> _Simulation:
         name = parameters.get("simulation")
         found = self._simulations.get(name) if isinstance(name, str) else None
         if found is None:
-            raise _Refusal(NOT_FOUND, f"params.simulation: {json.dumps(name)} is not open here. "
+            raise wire.Refusal(NOT_FOUND, f"params.simulation: {json.dumps(name)} is not open here. "
                            "Send environment.open first.", {"path": "params.simulation"})
         return found
 
@@ -157,7 +148,7 @@ class Host:
         try:
             state = unpack_state(parameters.get("state"))
         except ValueError as error:
-            raise _Refusal(SNAPSHOT, f"params.state: this is not a state that {self._class.name()} saved ({error}).",
+            raise wire.Refusal(SNAPSHOT, f"params.state: this is not a state that {self._class.name()} saved ({error}).",
                            {"path": "params.state"}) from None
         self._run("restore()", lambda: simulation.environment.restore(state))
         simulation.last_request = None
@@ -167,7 +158,7 @@ class Host:
         simulation = self._find(parameters)
         sent = parameters.get("queries")
         if not blocks and not isinstance(sent, list):
-            raise _Refusal(wire.INVALID_PARAMETERS, "params.queries: expected a list of queries.",
+            raise wire.Refusal(wire.INVALID_PARAMETERS, "params.queries: expected a list of queries.",
                            {"path": "params.queries"})
         # arrays are kept only for an environment that must not advance twice
         asked: Any = sent
@@ -263,13 +254,13 @@ class Host:
             replies.append({"id": query.id, "parameters": values})
         return replies
 
-    def _mistake(self, what: str, step: int) -> _Refusal:
+    def _mistake(self, what: str, step: int) -> wire.Refusal:
         """A wrong answer of the subclass: prints it here and returns the error for the server."""
         print(f"{self._class.name()}: step {step}: {what}", file=sys.stderr, flush=True)
-        return _Refusal(ENVIRONMENT_FAILED, f"{self._class.name()}: {what}",
+        return wire.Refusal(ENVIRONMENT_FAILED, f"{self._class.name()}: {what}",
                         {"environment": self._class.name(), "step": step, "retryable": False})
 
-    def _not_finite(self, query: int, value: Any, index: int, step: int) -> _Refusal:
+    def _not_finite(self, query: int, value: Any, index: int, step: int) -> wire.Refusal:
         mistake = self._mistake(f"query {query} was answered with {float(value)} as value {index + 1}. Only finite "
                                 "numbers can be sent.", step)
         mistake.code = NON_FINITE
@@ -286,7 +277,7 @@ class Host:
             data: Dict[str, Any] = {"environment": self._class.name(), "retryable": False}
             if step is not None:
                 data["step"] = step
-            raise _Refusal(ENVIRONMENT_FAILED, f"{self._class.name()}: {type(error).__name__} in {what} at {place}: "
+            raise wire.Refusal(ENVIRONMENT_FAILED, f"{self._class.name()}: {type(error).__name__} in {what} at {place}: "
                            f"{error}. The environment's standard error has the whole trace.", data) from None
 
 
@@ -339,7 +330,7 @@ def pack_state(state: Any) -> str:
     try:
         text = json.dumps(state, separators=(",", ":"), allow_nan=False)
     except (TypeError, ValueError) as error:
-        raise _Refusal(ENVIRONMENT_FAILED, f"save() returned a value that JSON does not have ({error}).",
+        raise wire.Refusal(ENVIRONMENT_FAILED, f"save() returned a value that JSON does not have ({error}).",
                        {"retryable": False}) from None
     return base64.b64encode(text.encode("utf-8")).decode("ascii")
 
@@ -364,7 +355,7 @@ def hello_result(name: str, parameters: Dict[str, Any]) -> Dict[str, Any]:
     """The answer of an environment that was connected to."""
     offered = parameters.get("protocol")
     if not isinstance(offered, list) or PROTOCOL not in offered:
-        raise _Refusal(VERSION_UNKNOWN, f"No common protocol version: the request has {json.dumps(offered)}, "
+        raise wire.Refusal(VERSION_UNKNOWN, f"No common protocol version: the request has {json.dumps(offered)}, "
                        f"this environment speaks [{PROTOCOL}].", {"supported": [PROTOCOL]})
     return {"protocol": PROTOCOL, "session": name, "server": f"{name} {VERSION}",
             "capabilities": list(wire.CAPABILITIES), "limits": dict(wire.LIMITS)}
@@ -479,10 +470,9 @@ def main(environment: Type[EnvironmentProcess], arguments: Sequence[str]) -> int
     options = parser.parse_args(arguments)
     if options.token_file is not None:
         try:
-            with open(options.token_file, encoding="utf-8") as file:
-                options.token = file.readline().rstrip("\n")
-        except OSError as error:
-            parser.error(f"the token file '{options.token_file}' cannot be read ({error.strerror})")
+            options.token = token_in(options.token_file)
+        except EspalierError as error:
+            parser.error(str(error))
     try:
         if options.describe:
             print(json.dumps(environment.description()))

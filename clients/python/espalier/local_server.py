@@ -29,6 +29,34 @@ def private_folder() -> str:
     return tempfile.mkdtemp(prefix="espalier-", dir="/tmp")
 
 
+class PrivateServer(Server):
+    """A server on a socket that only this user can reach, with a token that only this program knows."""
+
+    def __init__(self, program: str, arguments: Sequence[str]) -> None:
+        """`arguments` follow `serve`; without --log-level only warnings are shown."""
+        self._folder = private_folder()
+        try:
+            self.token = secrets.token_hex(32)
+            token_file = os.path.join(self._folder, "token")
+            with open(os.open(token_file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
+                file.write(self.token + "\n")
+            more = ["--token-file", token_file, *arguments]
+            if "--log-level" not in more:
+                more += ["--log-level", "warn"]
+            super().__init__(program, arguments=more, listen="unix:" + os.path.join(self._folder, "socket"))
+        except BaseException:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            raise
+
+    def __enter__(self) -> "PrivateServer":
+        return self
+
+    def stop(self) -> int:
+        status = super().stop()
+        shutil.rmtree(self._folder, ignore_errors=True)
+        return status
+
+
 def _is_defined_again(before: Any, now: Any) -> bool:
     """Both are classes with one name in one module."""
     return (isinstance(before, type) and isinstance(now, type)
@@ -45,25 +73,14 @@ class Local(Client):
         `program`: find_program() by default. `arguments` follow `serve`; without --gallery the server has the gallery of
         the program."""
         found = find_program() if program is None else program
-        self._folder = private_folder()
         self._offers: List[wire.Channel] = []
         self._attached: List[Tuple[Any, str, wire.Channel]] = []  # what answers now, its name and its connection
-        try:
-            self.token = secrets.token_hex(32)
-            token_file = os.path.join(self._folder, "token")
-            with open(os.open(token_file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
-                file.write(self.token + "\n")
-            more: List[str] = ["--token-file", token_file, "--allow-spawn", "--allow-dial", "any", *arguments]
-            if "--log-level" not in more:
-                more += ["--log-level", "warn"]
-            self._server = Server(found, arguments=more, listen="unix:" + os.path.join(self._folder, "socket"))
-        except BaseException:
-            shutil.rmtree(self._folder, ignore_errors=True)
-            raise
+        self._server = PrivateServer(found, ["--allow-spawn", "--allow-dial", "any", *arguments])
+        self.token = self._server.token
         try:
             super().__init__(self._server.address, token=self.token, timeout=timeout)
         except BaseException:
-            self._stop()
+            self._server.stop()
             raise
 
     def __enter__(self) -> "Local":
@@ -125,11 +142,7 @@ class Local(Client):
         for channel in self._offers:
             channel.close()
         self._offers.clear()
-        self._stop()
-
-    def _stop(self) -> None:
         self._server.stop()
-        shutil.rmtree(self._folder, ignore_errors=True)
 
 
 def local(program: Optional[str] = None, *, arguments: Sequence[str] = (), timeout: Optional[float] = None) -> Local:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import shutil
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
+from typing import Optional
 
-from .errors import ServerFailed
+from .errors import EspalierError, ServerFailed
 
 PROGRAM_VARIABLE = "ESPALIER_PROGRAM"
 # in a wheel that has the program inside
@@ -32,6 +35,22 @@ def find_program() -> str:
                 return str(built)
     raise ServerFailed("There is no program 'espalier'. Build it with './dev build' in the source tree, then put it on the PATH "
                        f"or name it in the variable {PROGRAM_VARIABLE}.")
+
+
+def drawn_by(program: str, snapshot: bytes, suffix: str, *options: str, seconds: Optional[float] = None) -> bytes:
+    """The file of that suffix which `espalier export` makes of a snapshot. `seconds` bound its time (None: no bound)."""
+    with tempfile.TemporaryDirectory(prefix="espalier-") as folder:
+        state, picture = Path(folder) / "plant.snapshot", Path(folder) / f"plant{suffix}"
+        state.write_bytes(snapshot)
+        command = [program, "export", str(state), "-o", str(picture), "--quiet", *options]
+        try:
+            done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=seconds,
+                                  check=False)
+        except subprocess.TimeoutExpired:
+            raise EspalierError(f"The picture takes more than {seconds:g} seconds: ask for a smaller one.") from None
+        if done.returncode != 0:
+            raise EspalierError(f"The plant cannot be drawn: {done.stderr.strip() or 'espalier export failed'}")
+        return picture.read_bytes()
 
 
 def main() -> None:

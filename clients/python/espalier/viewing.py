@@ -13,14 +13,12 @@ import base64
 import gzip
 import html
 import json
-import subprocess
-import tempfile
 from pathlib import Path
 from typing import List, Sequence, Union
 
 from .errors import EspalierError
 from .frame_packing import pack_frame
-from .program import find_program
+from .program import drawn_by, find_program
 
 # in an installed package, and in the source tree
 SCRIPTS = (Path(__file__).parent / "viewer" / "espalier.js", Path(__file__).parents[2] / "web" / "espalier.js")
@@ -107,14 +105,4 @@ def geometry_of(snapshots: Sequence[bytes]) -> List[bytes]:
 
 def _draw(snapshots: Sequence[bytes], detail: str) -> List[bytes]:
     program = find_program()
-    drawn: List[bytes] = []
-    with tempfile.TemporaryDirectory() as folder:
-        snapshot, picture = Path(folder) / "plant.snapshot", Path(folder) / "plant.glb"
-        for state in snapshots:
-            snapshot.write_bytes(state)
-            done = subprocess.run([program, "export", str(snapshot), "-o", str(picture), "--instancing", "--detail", detail,
-                                   "--quiet"], capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
-            if done.returncode != 0:
-                raise EspalierError(f"The plant cannot be drawn: {done.stderr.strip() or 'espalier export failed'}")
-            drawn.append(picture.read_bytes())
-    return drawn
+    return [drawn_by(program, snapshot, ".glb", "--instancing", "--detail", detail) for snapshot in snapshots]

@@ -85,6 +85,15 @@ def failure(identifier: Any, code: int, message: str, data: Any = None) -> Messa
     return {"jsonrpc": "2.0", "id": identifier, "error": error}
 
 
+class Refusal(Exception):
+    """A request that is answered with an error."""
+
+    def __init__(self, code: int, message: str, data: Any = None) -> None:
+        super().__init__(message)
+        self.code = code
+        self.data = data
+
+
 def parse_address(address: str) -> "tuple[str, int]":
     """HOST:PORT, or PORT alone for the local machine; `tcp://` in front is allowed."""
     text = address[len("tcp://"):] if address.startswith("tcp://") else address
