@@ -74,6 +74,32 @@ class WithTheOfficialClient(unittest.TestCase):
         check_answers(self, answers)
 
 
+class TheDoor(unittest.TestCase):
+    def test_a_host_reads_what_each_tool_does_and_takes(self) -> None:
+        answer, = host(request(1, "tools/list"))
+        tools = {tool["name"]: tool for tool in answer["result"]["tools"]}
+        self.assertEqual(tools["step"]["description"], "Make steps. Ends early when the model is finished.")
+        steps = {"type": "integer", "description": "how many", "minimum": 1, "maximum": 10_000, "default": 1}
+        simulation = {"type": "string", "description": "the `simulation` of create", "maxLength": 200}
+        self.assertEqual(tools["step"]["inputSchema"], {"type": "object", "properties": {"simulation": simulation, "steps": steps},
+                                                        "required": ["simulation"], "additionalProperties": False})
+        taken = set()
+        for name, tool in tools.items():
+            self.assertGreater(len(tool["description"]), 20, name)
+            properties = tool["inputSchema"]["properties"]
+            taken.update(properties)
+            for word, schema in properties.items():
+                if "default" in schema:
+                    self.assertTrue(schema["minimum"] <= schema["default"] <= schema["maximum"], f"{name}: {word}")
+        self.assertEqual(taken, set(mcp_tools.ARGUMENTS))
+
+    def test_it_stays_small(self) -> None:
+        lines = [line for name in ("__init__", "__main__", "tools")
+                 for line in (Path(mcp.__file__).parent / f"{name}.py").read_text(encoding="utf-8").splitlines()]
+        self.assertLessEqual(len(lines), 400)
+        self.assertLessEqual(max(map(len, lines)), 120)
+
+
 class Hosts(unittest.TestCase):
     @staticmethod
     def server() -> espalier_package.Server:
@@ -146,6 +172,18 @@ class Hosts(unittest.TestCase):
             self.assertTrue(answer["result"]["isError"])
             self.assertIn("A call may take 0.3 seconds: ask for fewer steps.", said(answer))
 
+    def test_a_picture_that_takes_too_long_is_given_up(self) -> None:
+        with tempfile.TemporaryDirectory() as folder, self.server() as server, server.connect() as client:
+            slow = Path(folder) / "slow"
+            slow.write_text("#!/bin/sh\nexec sleep 60\n", encoding="ascii")
+            slow.chmod(0o700)
+            tools = mcp.Tools(client, str(slow), seconds=0.3)
+            made = json.loads(tools.call("create", {"gallery": "light-tree"})[0]["text"])["simulation"]
+            answer = mcp.Conversation(tools).answer(json.dumps(call(1, "render", simulation=made)).encode())
+            assert answer is not None
+            self.assertTrue(answer["result"]["isError"])
+            self.assertEqual(said(answer), "The picture takes more than 0.3 seconds: ask for a smaller one.")
+
     def test_simulations_are_counted_and_deleted(self) -> None:
         calls = [call(number, "create", source=MODEL, seed=1) for number in range(mcp_tools.SIMULATIONS + 1)]
         last = host(*calls)[-1]
@@ -159,6 +197,17 @@ class Hosts(unittest.TestCase):
 
 
 class OfARunningServer(unittest.TestCase):
+    def test_a_file_without_a_token_is_named(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            (Path(name) / "empty").write_text("\ntoken\n", encoding="ascii")
+            for file, options in (("empty", ("--server", "127.0.0.1:1", "--token-file")),
+                                  ("absent", ("--http", "127.0.0.1:0", "--http-token-file"))):
+                done = subprocess.run([*COMMAND, *options, f"{name}/{file}"], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                                      timeout=SECONDS, check=False, env=variables(ESPALIER_PROGRAM=program()))
+                self.assertEqual((done.returncode, done.stdout), (1, ""))
+                self.assertEqual(done.stderr, f"espalier.mcp: The token file '{name}/{file}' cannot be read, or its first line is empty. "
+                                              "`espalier token new NAME -o FILE` makes one.\n")
+
     def test_a_viewer_reads_and_changes_nothing(self) -> None:
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)

@@ -13,6 +13,7 @@ import tempfile
 import threading
 import time
 import unittest
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
@@ -20,6 +21,7 @@ from support import SECONDS, Process, program, variables
 from test_mcp import COMMAND, MODEL, SDK, call, check_answers, request, said
 
 from espalier.mcp import tools as mcp_tools
+from espalier.mcp.http import SESSIONS, HttpServer
 
 TOKEN = "a-token-of-this-test"
 JSON = {"Content-Type": "application/json"}
@@ -79,7 +81,7 @@ class OverHttp(unittest.TestCase):
         self.assertEqual((status, answer["error"]["message"]), (404, "The session has ended. Send initialize again."))
         self.assertEqual(self.send(message=request(1, "ping"), session=sessions[1])[1]["result"], {})
         # more sessions than there are places: the one used least recently ends; its plants would fill the server
-        for _ in range(mcp_tools.SESSIONS):
+        for _ in range(SESSIONS):
             session = self.begin()
             for number in range(mcp_tools.SIMULATIONS):
                 _, answer, _ = self.send(message=call(number, "create", source=MODEL, seed=number), session=session)
@@ -160,6 +162,23 @@ class OverHttp(unittest.TestCase):
 
 
 class Options(unittest.TestCase):
+    def test_a_token_may_have_any_letters(self) -> None:
+        def open_tools(stack: ExitStack) -> mcp_tools.Tools:
+            self.fail("no session begins")
+
+        with HttpServer(("127.0.0.1", 0), open_tools, "Bäume") as server:
+            thread = threading.Thread(target=server.serve_forever)
+            thread.start()
+            try:
+                for token, status in (("Bäume", 400), ("Baume", 401)):
+                    connection = http.client.HTTPConnection("127.0.0.1", server.server_address[1], timeout=SECONDS)
+                    connection.request("POST", "/mcp", b"{}", {**JSON, "Authorization": f"Bearer {token}".encode()})
+                    self.assertEqual(connection.getresponse().status, status, token)
+                    connection.close()
+            finally:
+                server.shutdown()
+                thread.join()
+
     def test_a_place_that_others_reach_needs_a_token(self) -> None:
         for place, words in (("0.0.0.0:0", "--http-token-file"), ("127.0.0.1", "HOST:PORT"), (":80", "HOST:PORT"), ("127.0.0.1:99999", "HOST:PORT")):
             done = subprocess.run([*COMMAND, "--http", place], capture_output=True, text=True, timeout=SECONDS, check=False,

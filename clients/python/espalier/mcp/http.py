@@ -15,11 +15,13 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Callable, Dict, Optional, Tuple
 from urllib.parse import urlsplit
 
+from .. import wire
 from ..errors import EspalierError
-from . import INVALID_REQUEST, LINE_BYTES, VERSIONS, Conversation, Tools
-from .tools import SESSIONS
+from . import LINE_BYTES, VERSIONS, Conversation
+from .tools import Tools
 
 PATH = "/mcp"
+SESSIONS = 8
 CONNECTIONS = 32
 IDLE_SECONDS = 60.0  # of a connection
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
@@ -167,7 +169,7 @@ class Handler(BaseHTTPRequestHandler):
             # a page elsewhere may have led a browser here (DNS rebinding)
             self._refuse(403, "Pages of other machines may not connect.")
         elif self.server.token is not None and not hmac.compare_digest(
-                self.headers.get("Authorization", "").encode(), f"Bearer {self.server.token}".encode()):
+                self.headers.get("Authorization", "").encode("latin-1"), f"Bearer {self.server.token}".encode()):
             self._refuse(401, "This server needs its token: Authorization: Bearer TOKEN.", {"WWW-Authenticate": "Bearer"})
         elif version is not None and version not in VERSIONS:
             self._refuse(400, f"MCP-Protocol-Version must be one of {', '.join(VERSIONS)}.")
@@ -178,7 +180,7 @@ class Handler(BaseHTTPRequestHandler):
     def _refuse(self, status: int, message: str, headers: Optional[Dict[str, str]] = None, *, is_kept: bool = False) -> None:
         """Answers with an error. Unless the body has been read, nothing more can be read from the connection."""
         self.close_connection = self.close_connection or not is_kept
-        answer = {"jsonrpc": "2.0", "id": None, "error": {"code": INVALID_REQUEST, "message": message}}
+        answer = wire.failure(None, wire.INVALID_REQUEST, message)
         self._send(status, json.dumps(answer).encode(), headers or {})
 
     def _send(self, status: int, body: bytes, headers: Optional[Dict[str, str]] = None) -> None:
@@ -205,3 +207,17 @@ def is_of_this_machine(origin: str) -> bool:
         return urlsplit(origin).hostname in LOOPBACK
     except ValueError:
         return False
+
+
+def serve_http(place: str, open_tools: Callable[[ExitStack], Tools], token: Optional[str]) -> None:
+    """Answers hosts over HTTP until it is interrupted."""
+    host, _, port = place.rpartition(":")
+    host = host.strip("[]")
+    if not (port.isdigit() and host and int(port) < 65536):
+        raise EspalierError(f"--http needs HOST:PORT, and found '{place}'.")
+    if token is None and host not in LOOPBACK:
+        raise EspalierError("Other machines could reach the tools: give --http-token-file FILE, or listen on 127.0.0.1.")
+    with HttpServer((host, int(port)), open_tools, token) as server:
+        shown = f"[{host}]" if ":" in host else host
+        print(f"MCP on http://{shown}:{server.server_address[1]}{PATH}", flush=True)
+        server.serve_forever()
