@@ -58,7 +58,7 @@ def decode(line: bytes) -> Received:
     """The message of a line. Anything but one JSON object with finite numbers raises ProtocolError."""
     try:
         message = json.loads(line.decode("utf-8"), parse_constant=_refuse_constant)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:  # the latter: a thousand lists, one in the other
         start = line[:60].decode("utf-8", "replace").strip()
         raise ProtocolError(f"Expected a JSON object on a line, found '{start}' ({error}).") from None
     if not isinstance(message, dict):

@@ -29,6 +29,8 @@ class Codec(unittest.TestCase):
                 wire.decode(b'{"number":' + text + b"}")
 
     def test_anything_but_an_object_is_refused(self) -> None:
+        with self.assertRaisesRegex(ProtocolError, "Expected a JSON object on a line"):
+            wire.decode(b"[" * 100_000)
         with self.assertRaisesRegex(ProtocolError, "found a list"):
             wire.decode(b"[1]")
         with self.assertRaisesRegex(ProtocolError, "Expected a JSON object on a line, found 'GET / HTTP/1.1'"):
