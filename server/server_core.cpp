@@ -202,8 +202,8 @@ void ServerCore::loadOne(const Store::Entry& entry) {
     const Store::State state = store_.readState(entry.id);
     information.damage = state.problem;
     if (state.problem.empty()) {
-      auto loaded = HostedSimulation::load(std::move(*record), state.bytes, limits().simulation,
-                                           environmentServices(), store_);
+      auto loaded =
+          HostedSimulation::load(std::move(*record), state.bytes, limits().simulation, environmentServices(), store_);
       if (loaded) {
         Account& owner = accounts_.of(entry.owner);
         add(entry.id, std::move(*loaded));

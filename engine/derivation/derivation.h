@@ -21,8 +21,8 @@ struct DerivationOptions {
   bool hasSeed = false;
   std::uint32_t plant = 0;
   std::optional<std::uint64_t> derivationLength;  // replaces the model's (Z and when End runs)
-  unsigned threads = 1;  // for long strings; 0 is 1. Results do not depend on them
-  std::uint64_t threadedModules = 65536;  // strings with so many modules are long
+  unsigned threads = 1;                           // for long strings; 0 is 1. Results do not depend on them
+  std::uint64_t threadedModules = 65536;          // strings with so many modules are long
   core::Limits limits;
   const std::atomic<bool>* cancelled = nullptr;  // polled about every 65,536 modules; must outlive the Derivation
   core::MessageSink messages;                    // printf and run-time warnings; may be empty

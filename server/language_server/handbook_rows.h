@@ -9,7 +9,8 @@ namespace espalier::server {
 /// What the handbook says about a function: its row of function.def, as Markdown. Nothing for other names.
 [[nodiscard]] std::optional<std::string> handbookFunction(std::string_view name);
 
-/// The same for a turtle symbol (turtle_symbols.def): `F`, `[`, `@M`, `~`. `symbol` has one character, or begins with `@`.
+/// The same for a turtle symbol (turtle_symbols.def): `F`, `[`, `@M`, `~`. `symbol` has one character, or begins with
+/// `@`.
 [[nodiscard]] std::optional<std::string> handbookSymbol(std::string_view symbol);
 
 }  // namespace espalier::server

@@ -10,8 +10,8 @@ namespace espalier::test {
 /// Each returns one sentence per breach, with the file's name first; none: the rule holds.
 
 /// Includes go only along the arrows of the folders: core <- files <- language <- derivation <- turtle <- simulation,
-/// turtle <- environment, protocol alone, server/remote on all of them, server and clients/bmi on server/remote, clients/cpp on
-/// protocol, clients/espalier on everything.
+/// turtle <- environment, protocol alone, server/remote on all of them, server and clients/bmi on server/remote,
+/// clients/cpp on protocol, clients/espalier on everything.
 [[nodiscard]] std::vector<std::string> wrongDirections(const std::vector<SourceFile>& files);
 
 /// Headers of engine/ and environment/ that are included from outside their folder name no third-party library.

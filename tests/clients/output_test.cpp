@@ -149,8 +149,9 @@ TEST_F(Output, VariantsAreRunsOfConsecutiveSeeds) {
 }
 
 TEST_F(Output, WarningsAboutAModelComeOnceForAllVariants) {
-  folder_.write("warns.l",
-                "Lsystem: 1\nderivation length: 2\nAxiom: A(1)\nA(x) --> A(y+1/(x-1)) : 1\nA(x) --> B : 1\nendlsystem\n");
+  folder_.write(
+      "warns.l",
+      "Lsystem: 1\nderivation length: 2\nAxiom: A(1)\nA(x) --> A(y+1/(x-1)) : 1\nA(x) --> B : 1\nendlsystem\n");
   const std::string errors = run("run warns.l --variants 4 -o w.string").errors;
   const auto count = [&errors](const std::string& text) {
     std::size_t found = 0;

@@ -72,9 +72,9 @@ TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {
     language::CompileInput input;
     input.modelFile = "model.l";
     Interruption interruption;
-    auto made = HostedSimulation::create(record, {language::compile(input, files).program}, {},
-                                         core.limits().simulation, core.environmentServices(), core.store(),
-                                         interruption);
+    auto made =
+        HostedSimulation::create(record, {language::compile(input, files).program}, {}, core.limits().simulation,
+                                 core.environmentServices(), core.store(), interruption);
     core.add(record.id, std::move(made.value()));
     return core.find(record.id);
   };

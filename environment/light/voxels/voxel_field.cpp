@@ -10,7 +10,8 @@ namespace {
 
 using core::Vec3;
 
-// in voxels. A place farther away has too few digits to walk on from; nobody lays out a stand as long as the longest way
+// in voxels. A place farther away has too few digits to walk on from; nobody lays out a stand as long as the longest
+// way
 constexpr double kFar = 1e6;
 constexpr double kLongestWay = 1e5;
 

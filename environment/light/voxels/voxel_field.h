@@ -66,8 +66,8 @@ class VoxelField {
   [[nodiscard]] double boxSum(const Voxel& voxel, std::int64_t reach) const;
 
  private:
-  /// The part of a ray in the box, or between its planes when it repeats itself. Lengths in sides of voxels, axes in the
-  /// order a, b, layer; layers count upwards.
+  /// The part of a ray in the box, or between its planes when it repeats itself. Lengths in sides of voxels, axes in
+  /// the order a, b, layer; layers count upwards.
   struct Way {
     std::array<double, 3> start{};
     std::array<double, 3> step{};

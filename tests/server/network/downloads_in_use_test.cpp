@@ -29,9 +29,9 @@ class DownloadsInUse : public testing::Test {
     language::CompileInput input;
     input.modelFile = "model.l";
     Interruption interruption;
-    auto made = HostedSimulation::create(record, {language::compile(input, files).program}, {},
-                                         core_.limits().simulation, core_.environmentServices(), core_.store(),
-                                         interruption);
+    auto made =
+        HostedSimulation::create(record, {language::compile(input, files).program}, {}, core_.limits().simulation,
+                                 core_.environmentServices(), core_.store(), interruption);
     core_.add(record.id, std::move(made.value()));
     name_ = record.id;
   }
