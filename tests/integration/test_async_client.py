@@ -68,6 +68,14 @@ class AsyncClientAndServer(unittest.IsolatedAsyncioTestCase):
         self.assertIn("honda", [process["name"] for process in await self.client.environments()])
         self.assertIn("server", await self.client.status())
 
+    async def test_a_call_is_cancelled_after_its_seconds(self) -> None:
+        endless = await self.client.create(ENDLESS)
+        with self.assertRaises(ServerError) as caught:
+            await self.client.call("simulation.run", {"simulation": endless.identifier, "steps": 1_000_000}, seconds=0.2)
+        self.assertEqual(caught.exception.code, 1010)
+        self.assertIn("server", await self.client.call("server.status", seconds=30))
+        await endless.delete()
+
     async def test_streams_while_the_simulation_runs(self) -> None:
         tiers = await self.client.create(gallery="branch-tiers", environment=[{"type": "honda", "radius": 0.5}], seed=7)
         async with await tiers.stream("turtle", arrays=True) as stream:

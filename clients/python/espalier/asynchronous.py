@@ -112,9 +112,11 @@ class AsyncClient:
 
     # ---- any method --------------------------------------------------------------------------------------------
 
-    async def call(self, method: str, parameters: Optional[Mapping[str, Any]] = None) -> Any:
-        """Sends a request of protocol/README.md and returns its result."""
-        return await self._call(method, parameters or {}, None)
+    async def call(self, method: str, parameters: Optional[Mapping[str, Any]] = None, *,
+                   seconds: Optional[float] = None) -> Any:
+        """Sends a request of protocol/README.md and returns its result. After `seconds` (None: never) the client asks the
+        server to cancel it: ServerError 1010, and the simulation stays at its last completed step."""
+        return await self._call(method, parameters or {}, None, seconds)
 
     async def notify(self, method: str, parameters: Mapping[str, Any]) -> None:
         """Sends a notification: nothing is answered."""
@@ -123,8 +125,10 @@ class AsyncClient:
     async def _do(self, request: Request[Result], at_once: Optional[Callable[[Any], None]] = None) -> Result:
         return request.read(await self._call(request.method, request.parameters, at_once))
 
-    async def _call(self, method: str, parameters: Mapping[str, Any], at_once: Optional[Callable[[Any], None]]) -> Any:
-        """The result of a request; `at_once` is called with it before the next message is read."""
+    async def _call(self, method: str, parameters: Mapping[str, Any], at_once: Optional[Callable[[Any], None]],
+                    seconds: Optional[float] = None) -> Any:
+        """The result of a request; `at_once` is called with it before the next message is read. After `seconds` it is
+        cancelled."""
         channel = self._connected()
         identifier = self._next_id
         self._next_id += 1
@@ -132,6 +136,7 @@ class AsyncClient:
         self._waiting[identifier] = answer
         if at_once is not None:
             self._opening[identifier] = at_once
+        cancelling = None if seconds is None else asyncio.ensure_future(self._cancel_after(seconds, identifier))
         try:
             await channel.send(wire.request(identifier, method, dict(parameters)))
             return await asyncio.wait_for(answer, self._timeout)
@@ -142,8 +147,14 @@ class AsyncClient:
             self._abandon(identifier)
             raise
         finally:
+            if cancelling is not None:
+                cancelling.cancel()
             self._waiting.pop(identifier, None)
             self._opening.pop(identifier, None)
+
+    async def _cancel_after(self, seconds: float, identifier: int) -> None:
+        await asyncio.sleep(seconds)
+        await self.notify("$/cancel", {"id": identifier})
 
     def _abandon(self, identifier: int) -> None:
         """Tells the server that the client no longer waits for an answer."""
