@@ -157,6 +157,17 @@ class Survey(unittest.TestCase):
         with self.assertRaisesRegex(survey.SurveyError, "SetDataModeToBinary"):
             survey.read_vtp(self.folder / "ball.vtp")
 
+    def test_pieces_need_not_have_the_same_arrays(self) -> None:
+        piece = ('<Piece NumberOfPoints="3" NumberOfPolys="1"><Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">'
+                 '0 0 0 1 0 0 0 1 0</DataArray></Points><Polys><DataArray type="Int32" Name="connectivity" format="ascii">0 1 2</DataArray>'
+                 '<DataArray type="Int32" Name="offsets" format="ascii">3</DataArray></Polys><CellData>{}</CellData></Piece>')
+        plant = '<DataArray type="Float64" Name="plant" format="ascii">{}</DataArray>'
+        for first, second, expected in (("", plant.format(7), {0, 7}), (plant.format(7), "", {0, 7}), (plant.format("inf"), plant.format("nan"), {0})):
+            source = self.folder / "two.vtp"
+            source.write_text('<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64"><PolyData>'
+                              f"{piece.format(first)}{piece.format(second)}</PolyData></VTKFile>", encoding="utf-8")
+            self.assertEqual({point.plant for point in survey.surface_points(survey.read_vtp(source), 0.5)}, expected)
+
     def test_what_cannot_be_done_is_one_sentence_and_nothing_is_written(self) -> None:
         good = self.plant().read_text(encoding="utf-8")
         bad: List[Any] = [(good[:5000], "cannot be read"), (good.replace("PolyData", "Grid"), "no little-endian PolyData"),

@@ -60,6 +60,9 @@ def main(arguments: "Optional[List[str]]" = None) -> int:
     except (SurveyError, FieldError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
+    except OverflowError as error:
+        print(f"error: a number of {options.source} or of the options is too large ({error}).", file=sys.stderr)
+        return 1
     except OSError as error:
         print(f"error: {into} cannot be written ({error}): give a path in a folder that exists and has room.", file=sys.stderr)
         return 1

@@ -24,7 +24,6 @@ def surface_points(mesh: VtpMesh, spacing: float) -> Iterator[LasPoint]:
     """Points that lie evenly on the triangles: the centres of their equal parts, whose sides are at most `spacing`."""
     if not (spacing > 0 and math.isfinite(spacing)):
         raise SurveyError(f"the spacing {spacing} is no number above 0: give the distance of points.")
-    plants, organs = (mesh.cells.get(name, [0.0] * len(mesh.polygons)) for name in ("plant", "organ"))
     count = 0
     for number, a, b, c in mesh.triangles():
         longest = max(math.dist(a, b), math.dist(b, c), math.dist(c, a))
@@ -40,7 +39,13 @@ def surface_points(mesh: VtpMesh, spacing: float) -> Iterator[LasPoint]:
                     continue
                 s, t = (3 * row + (1 if column % 3 == 1 else 2)) / (3 * parts), column / (3 * parts)
                 yield LasPoint((a[0] + s * (b[0] - a[0]) + t * (c[0] - a[0]), a[1] + s * (b[1] - a[1]) + t * (c[1] - a[1]),
-                                a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2])), int(plants[number]), int(organs[number]))
+                                a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2])), _whole(mesh, "plant", number), _whole(mesh, "organ", number))
+
+
+def _whole(mesh: VtpMesh, name: str, polygon: int) -> int:
+    """A number of a polygon; 0 where its piece of the file has none."""
+    values = mesh.cells.get(name, [])
+    return int(values[polygon]) if polygon < len(values) and abs(values[polygon]) < 1e15 else 0
 
 
 def write_las(points: Iterable[LasPoint], path: "str | os.PathLike[str]", origin: Sequence[float] = (0.0, 0.0, 0.0), scale: float = 0.001) -> int:

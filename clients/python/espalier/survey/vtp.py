@@ -54,23 +54,31 @@ def _numbers(array: "xml.Element", header: str) -> Tuple[float, ...]:
         raise SurveyError(f"the array '{name}' is damaged: get a complete copy.") from None
 
 
+def _whole_numbers(array: "xml.Element", header: str) -> List[int]:
+    numbers = _numbers(array, header)
+    if not all(isinstance(number, int) for number in numbers):
+        raise SurveyError(f"the numbers of '{array.get('Name')}' are not whole: get a complete copy.")
+    return [int(number) for number in numbers]
+
+
 def _piece(piece: "xml.Element", header: str, mesh: VtpMesh) -> None:
     def arrays(part: str) -> Dict[str, "xml.Element"]:
         return {array.get("Name", ""): array for holder in piece.findall(part) for array in holder.findall("DataArray")}
 
     first = len(mesh.points)
     places = [_numbers(array, header) for array in arrays("Points").values()]
-    if len(places) != 1 or len(places[0]) % 3 or not all(math.isfinite(number) for number in places[0]):
-        raise SurveyError("a piece has no points of three finite numbers: get a complete copy.")
+    if len(places) != 1 or len(places[0]) % 3 or not all(abs(number) < 1e15 for number in places[0]):
+        raise SurveyError("a piece has no points of three numbers below 1e15: get a complete copy.")
     mesh.points.extend(zip(places[0][0::3], places[0][1::3], places[0][2::3]))
     polygons = arrays("Polys")
     if not {"connectivity", "offsets"} <= set(polygons):
         raise SurveyError("a piece has no polygons: give a .vtp file of a mesh.")
-    corners, begin = [int(corner) for corner in _numbers(polygons["connectivity"], header)], 0
+    corners, ends = (_whole_numbers(polygons[name], header) for name in ("connectivity", "offsets"))
+    begin = 0
     if not all(0 <= corner < len(places[0]) // 3 for corner in corners):
         raise SurveyError("a polygon has a point that is not there: get a complete copy.")
     count = 0
-    for end in map(int, _numbers(polygons["offsets"], header)):
+    for end in ends:
         if not begin + 3 <= end <= len(corners):
             raise SurveyError("a polygon has less than three points: get a complete copy.")
         mesh.polygons.append(tuple(first + corner for corner in corners[begin:end]))
@@ -80,8 +88,13 @@ def _piece(piece: "xml.Element", header: str, mesh: VtpMesh) -> None:
             values = _numbers(array, header)
             if len(values) != count:
                 raise SurveyError(f"the array '{name}' has {len(values)} values for {count} polygons: get a complete copy.")
-            # a name that began with this piece has no value in those before
-            mesh.cells.setdefault(name, [math.nan] * (len(mesh.polygons) - count)).extend(values)
+            _fill(mesh.cells.setdefault(name, []), len(mesh.polygons) - count)
+            mesh.cells[name].extend(values)
+
+
+def _fill(values: List[float], count: int) -> None:
+    """A name that is not in all pieces has no number in the others."""
+    values.extend([math.nan] * (count - len(values)))
 
 
 def read_vtp(path: "str | os.PathLike[str]") -> VtpMesh:
@@ -98,11 +111,13 @@ def read_vtp(path: "str | os.PathLike[str]") -> VtpMesh:
         mesh = VtpMesh([], [], {})
         for piece in top.iter("Piece"):
             _piece(piece, "<Q" if top.get("header_type") == "UInt64" else "<I", mesh)
+        for values in mesh.cells.values():
+            _fill(values, len(mesh.polygons))
     except SurveyError as error:
         raise SurveyError(f"{path}: {error}") from None
     except (OSError, UnicodeDecodeError, xml.ParseError) as error:
         raise SurveyError(f"{path} cannot be read ({error}): give a .vtp file that is complete.") from None
-    return VtpMesh(mesh.points, mesh.polygons, {name: values for name, values in mesh.cells.items() if len(values) == len(mesh.polygons)})
+    return mesh
 
 
 def write_obj(mesh: VtpMesh, path: "str | os.PathLike[str]") -> None:
