@@ -34,13 +34,21 @@ std::vector<std::string> keysOf(const CLI::App& command) {
   return keys;
 }
 
-std::optional<std::string> applyOption(CLI::App& command, const CLI::ConfigItem& item) {
+/// Why an item outside of limits, commands and tokens is none of a configuration, or nothing.
+std::optional<std::string> whyUnknown(const CLI::App& command, const CLI::ConfigItem& item) {
   const std::vector<std::string> keys = keysOf(command);
   const bool isOfStore = item.parents == std::vector<std::string>{"store"} && item.name == kDurability;
   if (!isOfStore && (!item.parents.empty() || std::find(keys.begin(), keys.end(), item.name) == keys.end())) {
     const std::vector<std::string_view> views(keys.begin(), keys.end());
     constexpr std::size_t kShown = 40;
     return "'" + item.fullname().substr(0, kShown) + "' is not an option. " + core::suggestName(item.fullname(), views);
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> applyOption(CLI::App& command, const CLI::ConfigItem& item) {
+  if (auto problem = whyUnknown(command, item)) {
+    return problem;
   }
   CLI::Option* const option = command.get_option("--" + item.name);
   // the command line wins; an empty value sets nothing
@@ -103,7 +111,10 @@ std::optional<std::string> applyToken(std::vector<server::Token>& tokens, const 
 }
 
 std::optional<std::string> applyLimit(server::ServerLimits& limits, const CLI::ConfigItem& item) {
-  return server::setLimit(limits, item.name + "=" + (item.inputs.empty() ? std::string() : item.inputs.front()));
+  if (item.inputs.size() != 1) {
+    return "the limit '" + item.name + "' takes one number.";
+  }
+  return server::setLimit(limits, item.name + "=" + item.inputs.front());
 }
 
 std::string sectionOf(const CLI::ConfigItem& item) {
@@ -112,7 +123,7 @@ std::string sectionOf(const CLI::ConfigItem& item) {
 
 std::optional<std::string> applyItem(CLI::App& command, server::ServerOptions& options, const CLI::ConfigItem& item) {
   const std::string section = sectionOf(item);
-  if (section == "limits" && item.inputs.size() == 1) {
+  if (section == "limits") {
     return applyLimit(options.limits, item);
   }
   if (section == "spawn") {
@@ -158,10 +169,34 @@ std::optional<std::string> readConfiguredTokens(const std::string& file, std::ve
   });
 }
 
-std::optional<std::string> readConfiguredLimits(const std::string& file, server::ServerLimits& limits) {
-  return readItems(file, [&limits](const CLI::ConfigItem& item) {
-    return sectionOf(item) == "limits" ? applyLimit(limits, item) : std::nullopt;
+std::optional<std::string> readConfiguredLimits(const CLI::App& command, const std::string& file, bool hasLimits,
+                                                server::ServerLimits& limits) {
+  std::vector<std::string> names;
+  auto problem = readItems(file, [&](const CLI::ConfigItem& item) -> std::optional<std::string> {
+    const std::string section = sectionOf(item);
+    if (section != "limits") {
+      return section == "spawn" || section == "tokens" ? std::nullopt : whyUnknown(command, item);
+    }
+    if (std::find(names.begin(), names.end(), item.name) != names.end()) {
+      return "the limit '" + item.name + "' is there twice.";
+    }
+    names.push_back(item.name);
+    return applyLimit(limits, item);
   });
+  if (!problem && hasLimits && names.empty()) {
+    problem = "the configuration '" + file + "' has no limit any more: perhaps it is only half written. To have the " +
+              "defaults, write one of them under [limits].";
+  }
+  return problem;
+}
+
+bool setsLimits(const std::string& file) {
+  bool isThere = false;
+  (void)readItems(file, [&isThere](const CLI::ConfigItem& item) -> std::optional<std::string> {
+    isThere = isThere || sectionOf(item) == "limits";
+    return std::nullopt;
+  });
+  return isThere;
 }
 
 std::map<std::string, std::vector<std::string>> readStartItems(const std::string& file) {

@@ -23,8 +23,14 @@ namespace espalier::command {
 [[nodiscard]] std::optional<std::string> readConfiguredTokens(const std::string& file,
                                                               std::vector<server::Token>& tokens);
 
-/// The limits of the section [limits] of a configuration; nothing else is used. An error sentence as above.
-[[nodiscard]] std::optional<std::string> readConfiguredLimits(const std::string& file, server::ServerLimits& limits);
+/// The limits of the section [limits] of a configuration. The rest is not used, but an unknown key in it is an error,
+/// too, as when a server starts. `hasLimits`: without the section the file counts as damaged. An error sentence as
+/// above.
+[[nodiscard]] std::optional<std::string> readConfiguredLimits(const CLI::App& command, const std::string& file,
+                                                              bool hasLimits, server::ServerLimits& limits);
+
+/// Whether a configuration sets a limit.
+[[nodiscard]] bool setsLimits(const std::string& file);
 
 /// The items of a configuration beside limits and tokens, by name ("listen", "spawn.light"): what a server reads when
 /// it starts. None when the file cannot be read.

@@ -243,6 +243,12 @@ class Roles(unittest.TestCase):
         self.addCleanup(raw.close)
         self.assertEqual({name: raw.hello["result"]["limits"][name] for name in ("simulations", "modules", "openFiles")},
                          {"simulations": 3, "modules": 5, "openFiles": 9})
+        # nor does a file that would be refused at the start, or one that is written just now
+        for text in ("garbage [[[\n", "[limts]\nsimulations = 4\n", "[limits\nsimulations = 4\n", "simulations = 4\n", "", "\0\0",
+                     "[limits]\nsimulations = [1, 2]\n", "[limits]\nsimulations = 4\nsimulations = 5\n"):
+            file.write_text(text, encoding="utf-8")
+            hang_up("the limits stay as they are: the configuration '")
+        self.assertEqual(client.call("server.status")["memory"]["boundBytes"], 123_456_789)
         # a mistake changes nothing, and other settings are named
         write({"simulations": 1, "modul": 5})
         hang_up("the limits stay as they are: the configuration '")

@@ -113,19 +113,25 @@ std::optional<std::string> applyLimits(const ServeOptions& options, server::Serv
   return std::nullopt;
 }
 
-/// The limits of the configuration as it is now, with those of the command line. `atStart` has the other items of the
-/// configuration when the server was started.
-tl::expected<server::ServerOptions::ReadLimits, std::string> readLimits(
-    const ServeOptions& options, const std::map<std::string, std::vector<std::string>>& atStart) {
+/// What a configuration had when the server was started.
+struct AtStart {
+  std::map<std::string, std::vector<std::string>> items;  // beside limits and tokens
+  bool hasLimits = false;
+};
+
+/// The limits of the configuration as it is now, with those of the command line.
+tl::expected<server::ServerOptions::ReadLimits, std::string> readLimits(const CLI::App& command,
+                                                                        const ServeOptions& options,
+                                                                        const AtStart& atStart) {
   server::ServerOptions::ReadLimits read;
   auto problem = whyUnreadable(options.configuration);
-  problem = problem ? problem : readConfiguredLimits(options.configuration, read.limits);
+  problem = problem ? problem : readConfiguredLimits(command, options.configuration, atStart.hasLimits, read.limits);
   problem = problem ? problem : applyLimits(options, read.limits);
   if (problem) {
     return tl::unexpected(std::move(*problem));
   }
   auto items = readStartItems(options.configuration);
-  for (const auto& [key, values] : atStart) {
+  for (const auto& [key, values] : atStart.items) {
     const auto found = items.find(key);
     if (found == items.end() || found->second != values) {
       read.restartKeys.push_back(key);
@@ -205,9 +211,8 @@ int runServe(CLI::App& command, ServeOptions& options) {
     options.server.readTokens = [&options] { return readTokens(options); };
   }
   if (!options.configuration.empty()) {
-    options.server.readLimits = [&options, atStart = readStartItems(options.configuration)] {
-      return readLimits(options, atStart);
-    };
+    const AtStart atStart{readStartItems(options.configuration), setsLimits(options.configuration)};
+    options.server.readLimits = [&command, &options, atStart] { return readLimits(command, options, atStart); };
   }
   // a file that reaches the size limit fails one saving and does not end the server
   (void)std::signal(SIGXFSZ, SIG_IGN);
