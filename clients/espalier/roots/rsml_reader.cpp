@@ -169,7 +169,15 @@ class Reader {
   }
 
   [[nodiscard]] static std::string nameOf(const char** attributes, std::string_view attribute) {
-    return std::string(attributeOf(attributes, attribute).value_or("").substr(0, kLongestName));
+    std::string_view name = attributeOf(attributes, attribute).value_or("");
+    if (name.size() > kLongestName) {
+      std::size_t end = kLongestName;
+      while ((static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) {
+        --end;  // not within a character
+      }
+      name = name.substr(0, end);
+    }
+    return std::string(name);
   }
 
   void begin(std::string_view name, const char** attributes) {
