@@ -64,6 +64,14 @@ std::optional<std::string> Daylight::open(const turtle::World& world) {
       sunDirections_.push_back(along + (sun - along) * core::cos(angle) + core::cross(up_, sun) * core::sin(angle));
     }
   }
+  const std::string& unit = configuration_.text("unit");
+  const bool isOfPhotons = unit == "umol" || unit == "mol";
+  const auto isGiven = [this](const char* key) { return configuration_.isGiven(key); };
+  if (isOfPhotons && (sun_ == "position" || hasMeasured_) && !isGiven("bands") && !isGiven("bandLimits") &&
+      !isGiven("photonsPerJoule")) {
+    return "counts photons of the whole sunlight as if all of it were photosynthetically active; about half of its "
+           "energy is. Give 'bands', such as [0.5,0.5] (visible light and the rest): the answers begin with the first.";
+  }
   return std::nullopt;
 }
 

@@ -101,6 +101,27 @@ TEST(VoxelSources, TheSunOfAStepIsItsMean) {
   EXPECT_GT(answersAt(0.0, slab(kIndex, sun + R"(,"sunSamples":1)"), context, 2.0)[0], 1.5 * fine);
 }
 
+TEST(VoxelSources, PhotonsOfSunlightNeedBands) {
+  const auto context = place(51.0, "2026-06-21T11:00Z", 1.0 / 24.0);
+  const std::string sun = R"("sun":"position","unit":"umol")";
+  for (const std::string process : {"light", "light-voxels"}) {
+    const auto keys = [&](const std::string& more) {
+      return process == "light" ? "{" + sun + more + "}" : slab(0, sun + more);
+    };
+    const auto refused = (*makeProcess(process, keys("")))->open(context);
+    ASSERT_TRUE(refused) << process;
+    EXPECT_NE(refused->message.find("Give 'bands', such as [0.5,0.5]"), std::string::npos) << refused->message;
+    EXPECT_FALSE((*makeProcess(process, keys(R"(,"photonsPerJoule":2.1)")))->open(context)) << process;
+    // nowhere on earth has more than about 2500 umol/(m2 s) of photosynthetically active light
+    const auto halves = openProcess(process, keys(R"(,"bands":[0.5,0.5])"), context);
+    QueryBuilder sensor;
+    sensor.add({0.5, 5, 0.5}, std::vector<double>(10, 0.0));
+    const double photons = *answersOf(*halves, sensor.batch())[0][process == "light" ? 2 : 0];
+    EXPECT_GT(photons, 1500.0);
+    EXPECT_LT(photons, 2500.0);
+  }
+}
+
 TEST(VoxelSources, InTheOpenItHasTheIrradianceOfTheProcessLight) {
   const std::string table =
       "time,global,diffuse\n2026-06-21T00:00Z,0,0\n2026-06-21T06:00Z,300,120\n2026-06-21T12:00Z,650,200\n"
@@ -110,7 +131,7 @@ TEST(VoxelSources, InTheOpenItHasTheIrradianceOfTheProcessLight) {
        {R"("sun":"position")", R"("sun":"position","sky":"clear")", R"("sun":"position","sunSamples":5)",
         R"("sun":"direction","sunDirection":[1,2,0.5],"sky":"uniform")",
         R"("sun":"position","unit":"umol","bands":[0.5,0.4],"photonsPerJoule":[4.57,0])",
-        R"("sun":"position","unit":"mol")"}) {
+        R"("sun":"position","unit":"mol","bands":[0.5,0.5],"photonsPerJoule":[4.57,0])"}) {
     for (const double step : {0.25, 1.0, 1.5}) {
       for (const bool hasWeather : {false, true}) {
         auto context = place(51.0, "2026-06-21T00:00Z", step);
