@@ -209,6 +209,13 @@ class Validation(unittest.TestCase):
         self.assertRegex(text, r"\| roots of 0.01 to 4000 cm, relative \| [0-9.e-]+ \| 1e-09 \| met \|  \|")
         self.assertIn("![m3.1](../plots/m3.1.svg)", text)
 
+    def test_a_missing_table_is_named_with_whose_it_is(self) -> None:
+        said = espalier("validate", "m3.2", "sun").stderr
+        for name, whose in (("m32_roots.tsv or m32_roots.rsml", "of other authors (docs/validation.md says where it is published)"),
+                            ("m32_uptake_fractions.tsv", "of reference values that comes with the collection of benchmarks"),
+                            ("sun_positions.tsv", "of reference values that comes with the collection of benchmarks")):
+            self.assertIn(f"needs {name}, a table {whose}; give the folder that has it with --data", said)
+
     def test_wrong_names_are_refused(self) -> None:
         self.assertIn("there is no benchmark 'm9': choose from m1.1, m2.1-sand, m2.1-loam", espalier("validate", "m9", status=2).stderr)
         self.assertIn("there is no folder 'nowhere' of published data",

@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -131,6 +132,13 @@ std::string pageOf(const std::map<std::string, std::string>& parts) {
          " did not. Others are reported without one.\n" + body;
 }
 
+/// Whether a table has what other authors measured or computed; the others are reference values of the benchmarks.
+bool isOfOtherAuthors(const std::string& missing) {
+  constexpr std::array kNames = {"m1_root_traits", "m32_roots", "c12_roots", "c12_transpiration", "c12_sinks"};
+  return std::any_of(kNames.begin(), kNames.end(),
+                     [&](const char* name) { return missing.starts_with(std::string(name) + "."); });
+}
+
 /// Prints the rows of a case; false when one is beyond its tolerance.
 bool printRows(const validation::Case& one, const validation::CaseResult& result, double seconds) {
   bool isMet = true;
@@ -143,7 +151,9 @@ bool printRows(const validation::Case& one, const validation::CaseResult& result
   std::fflush(stdout);
   for (const std::string& name : result.missing) {
     printNote("left out: a part of " + std::string(one.name) + " needs " + name +
-              ", which its authors publish; give the folder that has it with --data");
+              (isOfOtherAuthors(name) ? ", a table of other authors (docs/validation.md says where it is published)"
+                                      : ", a table of reference values that comes with the collection of benchmarks") +
+              "; give the folder that has it with --data");
   }
   return isMet;
 }
