@@ -1,5 +1,6 @@
 #include "environment/hydraulics/xylem_keys.h"
 
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -317,9 +318,21 @@ std::vector<core::Diagnostic> checkXylem(const Configuration& configuration) {
   const auto& vessels = configuration.rows("vessels");
   for (const std::string key : {"krTable", "kxTable", "vessels"}) {
     const ConfigurationRows rows = key == "vessels" ? conductancesOf(vessels) : configuration.rows(key);
+    const auto negative =
+        std::find_if(vessels.begin(), vessels.end(), [](const auto& row) { return row[2] < 0.0 || row[3] < 0.0; });
+    if (key == "vessels" && negative != vessels.end()) {
+      errors.push_back(wrongXylem("'vessels' has " + numberText((*negative)[2]) + " vessels of the radius " +
+                                      numberText((*negative)[3]) + " in row " +
+                                      std::to_string(negative - vessels.begin()) + ", which is below 0",
+                                  "write rows of order, age, number of vessels and their radius in µm, both above 0"));
+      continue;
+    }
     if (const std::string problem = ConductivityTable::problemOf(rows); !problem.empty()) {
       errors.push_back(wrongXylem("'" + key + "' " + problem,
-                                  "write rows of order, age and conductivity, by order and then by age"));
+                                  key == "vessels" ? "write rows of order, age, number and radius of vessels, by order "
+                                                     "and then by age"
+                                                   : "write rows of order, age and conductivity, by order and then by "
+                                                     "age"));
     }
     for (std::size_t i = 0; key != "krTable" && i < rows.size(); ++i) {
       if (!(rows[i][2] > 0.0) || (key == "vessels" && !(vessels[i][2] > 0.0 && vessels[i][3] > 0.0))) {
