@@ -88,6 +88,14 @@ class OverHttp(unittest.TestCase):
                 self.assertFalse(answer["result"]["isError"], answer)
         self.assertEqual(self.send(message=request(1, "ping"), session=sessions[1])[0], 404)
 
+    def test_an_initialize_that_is_wrong_takes_no_place(self) -> None:
+        session = self.begin()
+        for _ in range(SESSIONS + 1):
+            status, _, headers = self.send(message={"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": 5})
+            self.assertEqual(status, 400)
+            self.assertNotIn("Mcp-Session-Id", headers)
+        self.assertEqual(self.send(message=request(1, "ping"), session=session)[0], 200)
+
     def test_hosts_at_once_get_their_own_answers(self) -> None:
         found: List[str] = []
 

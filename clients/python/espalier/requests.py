@@ -38,7 +38,10 @@ def result_of(message: wire.Message) -> Any:
     error = message["error"]
     if not isinstance(error, dict):
         raise ProtocolError("error: expected an object.")
-    raise ServerError(int(error.get("code", 0)), str(error.get("message", "")), error.get("data"))
+    code = error.get("code", 0)
+    if not isinstance(code, int):
+        raise ProtocolError("error.code: expected a whole number.")
+    raise ServerError(code, str(error.get("message", "")), error.get("data"))
 
 
 class Inbox:

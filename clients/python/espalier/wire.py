@@ -51,7 +51,8 @@ def encode(message: Message) -> bytes:
         raise ProtocolError(f"A message holds a number that is not finite, which cannot be sent ({error}).") from None
     except TypeError as error:
         raise ProtocolError(f"A message holds a value that JSON does not have: {error}.") from None
-    return text.encode("utf-8") + b"\n"
+    # half of a character pair has no UTF-8, but an escape that JSON knows
+    return text.encode("utf-8", "backslashreplace") + b"\n"
 
 
 def decode(line: bytes) -> Received:
@@ -136,6 +137,8 @@ def announced_bytes(message: Message, takes_blocks: bool, peer: str) -> Optional
 
 def has_blocks(hello: Mapping[str, Any]) -> bool:
     """Whether the other side named the capability `bin` in its hello, or in its answer to it."""
+    if not isinstance(hello, dict):
+        raise ProtocolError(f"Expected an object as the answer to hello, found a {type(hello).__name__}.")
     capabilities = hello.get("capabilities")
     return isinstance(capabilities, list) and "bin" in capabilities
 

@@ -6,6 +6,7 @@ import unittest
 
 from espalier import wire
 from espalier.errors import ConnectionLost, ProtocolError
+from espalier.requests import result_of
 
 
 class Codec(unittest.TestCase):
@@ -27,6 +28,17 @@ class Codec(unittest.TestCase):
         for text in (b"NaN", b"Infinity", b"-Infinity"):
             with self.assertRaisesRegex(ProtocolError, "not a finite number"):
                 wire.decode(b'{"number":' + text + b"}")
+
+    def test_half_of_a_character_pair_is_escaped(self) -> None:
+        line = wire.encode({"name": "\ud800 ü"})
+        self.assertEqual(line.decode("utf-8"), '{"name":"\\ud800 ü"}\n')
+        self.assertEqual(wire.decode(line), {"name": "\ud800 ü"})
+
+    def test_a_wrong_answer_is_named(self) -> None:
+        with self.assertRaisesRegex(ProtocolError, "the answer to hello, found a list"):
+            wire.has_blocks([])  # type: ignore[arg-type]
+        with self.assertRaisesRegex(ProtocolError, "error.code: expected a whole number"):
+            result_of(wire.Received({"id": 1, "error": {"code": "x"}}))
 
     def test_anything_but_an_object_is_refused(self) -> None:
         with self.assertRaisesRegex(ProtocolError, "Expected a JSON object on a line"):

@@ -132,7 +132,7 @@ class Handler(BaseHTTPRequestHandler):
     def _answer(self, body: bytes) -> None:
         named = self.headers.get("Mcp-Session-Id")
         if named is None and not is_initialize(body):
-            self._refuse(400, "Send initialize first, and then the Mcp-Session-Id of its answer with every request.", is_kept=True)
+            self._refuse(400, "Send initialize first, with an object as its params, and then the Mcp-Session-Id of its answer with every request.", is_kept=True)
             return
         try:
             identifier, session = (named, self.server.session(named)) if named is not None else self.server.open_session()
@@ -199,7 +199,8 @@ def is_initialize(body: bytes) -> bool:
         message = json.loads(body)
     except (ValueError, RecursionError):
         return False
-    return isinstance(message, dict) and message.get("method") == "initialize" and "id" in message
+    return (isinstance(message, dict) and message.get("method") == "initialize" and "id" in message
+            and isinstance(message.get("params", {}), dict))
 
 
 def is_of_this_machine(origin: str) -> bool:
