@@ -88,6 +88,7 @@ constexpr std::array kOwnVoxelKeys{
                          "turbid, ellipsoidal: horizontal over vertical axis χ; above 1 the leaves are rather "
                          "horizontal",
                      .minimum = 0.0,
+                     .maximum = 1e6,
                      .isMinimumExclusive = true,
                      .defaultNumber = 1.0},
     bandNumbersKey(
