@@ -8,7 +8,7 @@
 #include "tests/support/disk_files.h"
 #include "tests/support/places.h"
 
-namespace espalier::test {
+namespace espalier::test::readme_test {
 namespace {
 
 std::string file(const std::string& name) {
@@ -41,4 +41,4 @@ TEST(Readme, NamesTheTwoCommands) {
 }
 
 }  // namespace
-}  // namespace espalier::test
+}  // namespace espalier::test::readme_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::test {
+namespace espalier::test::rules_test {
 namespace {
 
 using Breaches = std::vector<std::string>;
@@ -178,4 +178,4 @@ TEST(ArchitectureRules, CrowdedFolderIsSeen) {
 }
 
 }  // namespace
-}  // namespace espalier::test
+}  // namespace espalier::test::rules_test

@@ -8,7 +8,7 @@
 #include "tests/clients/program_run.h"
 #include "tests/support/places.h"
 
-namespace espalier::test {
+namespace espalier::test::cli_test {
 namespace {
 
 constexpr const char* kAlgae = "Lsystem: 1\nderivation length: 3\nAxiom: A\nA --> AB\nB --> A\nendlsystem\n";
@@ -391,4 +391,4 @@ TEST_F(Cli, StatusAndLoadTakeTheAddressesOfConnect) {
 }
 
 }  // namespace
-}  // namespace espalier::test
+}  // namespace espalier::test::cli_test

@@ -4,7 +4,7 @@
 
 #include "tests/clients/scripted_server.h"
 
-namespace espalier::client {
+namespace espalier::client::client_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -98,4 +98,4 @@ TEST(Client, WrongAddressesAreErrorsThatSayWhatToDo) {
 }
 
 }  // namespace
-}  // namespace espalier::client
+}  // namespace espalier::client::client_test

@@ -10,7 +10,7 @@
 #include "tests/clients/program_run.h"
 #include "tests/support/places.h"
 
-namespace espalier::test {
+namespace espalier::test::conformance_test {
 namespace {
 
 class ConformanceCommand : public testing::Test {
@@ -159,4 +159,4 @@ TEST(ConformanceProgram, WordsOfTheShellAreQuoted) {
 }
 
 }  // namespace
-}  // namespace espalier::test
+}  // namespace espalier::test::conformance_test

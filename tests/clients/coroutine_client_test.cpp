@@ -6,7 +6,7 @@
 
 #include "tests/clients/scripted_server.h"
 
-namespace espalier::client {
+namespace espalier::client::coroutine_client_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -162,4 +162,4 @@ TEST(CoroutineClient, SaysWhatIsWrongWithAnAddress) {
 }
 
 }  // namespace
-}  // namespace espalier::client
+}  // namespace espalier::client::coroutine_client_test

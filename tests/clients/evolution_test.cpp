@@ -11,7 +11,7 @@
 
 #include "engine/files/view_settings.h"
 
-namespace espalier::command {
+namespace espalier::command::evolution_test {
 namespace {
 
 using core::Vec3;
@@ -341,4 +341,4 @@ TEST(EvolutionFile, SaysWhyItCannotGoOn) {
 }
 
 }  // namespace
-}  // namespace espalier::command
+}  // namespace espalier::command::evolution_test

@@ -17,7 +17,7 @@
 #include "engine/core/elementary.h"
 #include "engine/core/random.h"
 
-namespace espalier::command {
+namespace espalier::command::forest_test {
 namespace {
 
 turtle::Segment line(const core::Vec3& start, const core::Vec3& end, std::uint32_t order, std::uint32_t parent) {
@@ -352,4 +352,4 @@ TEST(ForestLayout, OfTooManyThatDieAtOnceInACompetitionTheLargestLiveOn) {
 }
 
 }  // namespace
-}  // namespace espalier::command
+}  // namespace espalier::command::forest_test

@@ -4,7 +4,7 @@
 
 #include "tests/clients/program_run.h"
 
-namespace espalier::test {
+namespace espalier::test::language_tools_test {
 namespace {
 
 constexpr const char* kTree =
@@ -168,4 +168,4 @@ TEST_F(LanguageTools, InferPrintsProductionsWhereTheLanguageHasNotTheSymbols) {
 }
 
 }  // namespace
-}  // namespace espalier::test
+}  // namespace espalier::test::language_tools_test

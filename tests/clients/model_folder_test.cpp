@@ -6,7 +6,7 @@
 
 #include "tests/clients/program_run.h"
 
-namespace espalier::test {
+namespace espalier::test::model_folder_test {
 namespace {
 
 constexpr const char* kModel = "Lsystem: 1\nderivation length: 3\nAxiom: A\nA --> FA\nendlsystem\n";
@@ -285,4 +285,4 @@ TEST_F(Folder, AnimationWithoutItsFileGoesToTheDerivationLength) {
 }
 
 }  // namespace
-}  // namespace espalier::test
+}  // namespace espalier::test::model_folder_test

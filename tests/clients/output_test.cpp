@@ -15,7 +15,7 @@
 #include "tests/clients/program_run.h"
 #include "tests/support/places.h"
 
-namespace espalier::test {
+namespace espalier::test::output_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -386,4 +386,4 @@ TEST_F(Output, AMistypedCommandNamesTheNearest) {
 }
 
 }  // namespace
-}  // namespace espalier::test
+}  // namespace espalier::test::output_test

@@ -19,7 +19,7 @@
 #include "engine/turtle/export/picture/projection.h"
 #include "engine/turtle/scene/scene.h"
 
-namespace espalier::command {
+namespace espalier::command::render_test {
 namespace {
 
 using core::Vec3;
@@ -259,4 +259,4 @@ TEST(Render, RefusesAPlaceThatIsNoNumberThatFilesHold) {
 }
 
 }  // namespace
-}  // namespace espalier::command
+}  // namespace espalier::command::render_test

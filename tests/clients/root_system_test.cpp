@@ -4,7 +4,7 @@
 
 #include "clients/espalier/roots/root_traits.h"
 
-namespace espalier::roots {
+namespace espalier::roots::root_system_test {
 namespace {
 
 /// A primary root of 4 cm with laterals of 1 and 2 cm at 1 and 3 cm, rows out of order.
@@ -386,4 +386,4 @@ TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
 }
 
 }  // namespace
-}  // namespace espalier::roots
+}  // namespace espalier::roots::root_system_test

@@ -6,7 +6,7 @@
 
 #include "clients/espalier/validation/canopy.h"
 
-namespace espalier::roots {
+namespace espalier::roots::shoot_traits_test {
 namespace {
 
 TEST(ShootTraits, MeasureLeavesOfKnownShape) {
@@ -77,4 +77,4 @@ TEST(ShootTraits, PlantsWithoutLeavesHaveNone) {
 }
 
 }  // namespace
-}  // namespace espalier::roots
+}  // namespace espalier::roots::shoot_traits_test

@@ -20,7 +20,7 @@
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
 
-namespace espalier::command {
+namespace espalier::command::sweep_test {
 namespace {
 
 std::string problemOf(const std::string& json) {
@@ -379,4 +379,4 @@ TEST(SlurmJob, SplitsAnArrayAtTheLimitOfTheCluster) {
 }
 
 }  // namespace
-}  // namespace espalier::command
+}  // namespace espalier::command::sweep_test

@@ -13,7 +13,7 @@
 #include "clients/espalier/validation/closed_forms.h"
 #include "clients/espalier/validation/reference_table.h"
 
-namespace espalier::validation {
+namespace espalier::validation::validation_test {
 namespace {
 
 using std::numbers::pi;
@@ -133,4 +133,4 @@ TEST(Row, WithoutAResultDoesNotMeetItsTolerance) {
 }
 
 }  // namespace
-}  // namespace espalier::validation
+}  // namespace espalier::validation::validation_test

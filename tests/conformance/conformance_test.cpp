@@ -13,7 +13,7 @@
 
 #include "tests/conformance/suite.h"
 
-namespace espalier::test {
+namespace espalier::test::conformance_test {
 namespace {
 
 constexpr const char* kOwnNumbers = "own_numbers_exceptions.txt";
@@ -121,4 +121,4 @@ TEST(ConformanceSuite, JudgesByTheList) {
 }
 
 }  // namespace
-}  // namespace espalier::test
+}  // namespace espalier::test::conformance_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::conformance {
+namespace espalier::conformance::string_comparison_test {
 namespace {
 
 const Tolerance kTolerance;
@@ -81,4 +81,4 @@ TEST(StringComparison, DigitsAndPunctuationOutsideParametersAreSymbols) {
 }
 
 }  // namespace
-}  // namespace espalier::conformance
+}  // namespace espalier::conformance::string_comparison_test

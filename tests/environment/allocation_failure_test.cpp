@@ -51,7 +51,7 @@ void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   std::free(memory);
 }
 
-namespace espalier::environment {
+namespace espalier::environment::allocation_failure_test {
 namespace {
 
 class AllocationFailure : public testing::TestWithParam<Candidate> {};
@@ -110,4 +110,4 @@ TEST_P(AllocationFailure, LeavesTheStateAsItWas) {
 INSTANTIATE_TEST_SUITE_P(Processes, AllocationFailure, testing::ValuesIn(candidates()), nameOf);
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::allocation_failure_test

@@ -9,7 +9,7 @@
 #include "tests/environment/candidates.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::bad_configuration_test {
 namespace {
 
 /// The message of making, opening or asking the process.
@@ -76,4 +76,4 @@ TEST(ConfigurationSchema, HasEveryKeyThatIsReadAndNoOther) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::bad_configuration_test

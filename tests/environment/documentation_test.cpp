@@ -10,7 +10,7 @@
 #include "tests/support/disk_files.h"
 #include "tests/support/places.h"
 
-namespace espalier::environment {
+namespace espalier::environment::documentation_test {
 namespace {
 
 const std::string& page() {
@@ -70,4 +70,4 @@ TEST(EnvironmentsPage, NamesEverySharedKeyOfObstacles) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::documentation_test

@@ -4,7 +4,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::environment_entries_test {
 namespace {
 
 std::vector<EnvironmentEntry> entriesOf(std::string_view text) {
@@ -65,4 +65,4 @@ TEST(EnvironmentEntries, BrokenJsonIsLocated) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::environment_entries_test

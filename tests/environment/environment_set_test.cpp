@@ -5,7 +5,7 @@
 #include "engine/turtle/scene/geometry.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::environment_set_test {
 namespace {
 
 using turtle::EnvironmentError;
@@ -263,4 +263,4 @@ TEST(EnvironmentSet, GeometryGoesToWhoNeedsItAlsoWithoutQueries) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::environment_set_test

@@ -9,7 +9,7 @@
 #include "tests/environment/candidates.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::extreme_numbers_test {
 namespace {
 
 class ExtremeNumbers : public testing::TestWithParam<Candidate> {};
@@ -74,4 +74,4 @@ TEST_P(ExtremeNumbers, AreAnsweredWithFiniteNumbersOrRefused) {
 INSTANTIATE_TEST_SUITE_P(Processes, ExtremeNumbers, testing::ValuesIn(candidates()), nameOf);
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::extreme_numbers_test

@@ -9,7 +9,7 @@
 
 #include "environment/registry.h"
 
-namespace espalier::environment {
+namespace espalier::environment::idle_keys_test {
 namespace {
 
 std::vector<std::string> messagesOf(std::string_view process, std::string_view configuration) {
@@ -62,4 +62,4 @@ TEST(IdleKeys, EveryRuleIsAboutKeysThatTheProcessHas) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::idle_keys_test

@@ -4,7 +4,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::multiple_test {
 namespace {
 
 constexpr const char* kHondaAndVoxels =
@@ -90,4 +90,4 @@ TEST(Multiple, ErrorsNameTheField) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::multiple_test

@@ -7,7 +7,7 @@
 #include "engine/turtle/scene/geometry.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::plugin_process_test {
 namespace {
 
 // answers p1: the length of all segments; p2: triangles of the organ behind the query, −1 without geometry
@@ -120,4 +120,4 @@ TEST(PluginProcess, AnIncompleteTableIsRefused) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::plugin_process_test

@@ -14,7 +14,7 @@
 #include "tests/environment/candidates.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::process_contract_test {
 namespace {
 
 class ProcessContract : public testing::TestWithParam<Candidate> {};
@@ -200,4 +200,4 @@ TEST(ProcessContracts, CoverEveryProcess) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::process_contract_test

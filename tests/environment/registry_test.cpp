@@ -7,7 +7,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::registry_test {
 namespace {
 
 TEST(Registry, NamesAreSortedAndWithoutAliases) {
@@ -109,4 +109,4 @@ TEST(Registry, CanonicalNamesResolveAliases) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::registry_test

@@ -9,7 +9,7 @@
 #include "tests/support/disk_files.h"
 #include "tests/support/places.h"
 
-namespace espalier::environment {
+namespace espalier::environment::rooms_test {
 namespace {
 
 const std::map<std::string, std::set<std::string>>& allowedRooms() {
@@ -63,4 +63,4 @@ TEST(EnvironmentRooms, IncludeEachOtherInOneDirection) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::rooms_test

@@ -17,8 +17,8 @@ namespace espalier::fuzz {
 namespace {
 
 constexpr const char* kForest = "forest.json";
-constexpr int kSteps = 3;
-constexpr std::size_t kMostModels = 4;
+constexpr int kForestSteps = 3;
+constexpr std::size_t kMostForestModels = 4;
 constexpr std::size_t kMostPlants = 50;
 
 /// The models of a forest; none when one of them is wrong.
@@ -65,7 +65,7 @@ void fuzzForest(std::string_view text) {
     }
     options.world = *world;
   }
-  if (forest->models.size() > kMostModels || forest->plants.size() > kMostPlants) {
+  if (forest->models.size() > kMostForestModels || forest->plants.size() > kMostPlants) {
     return;
   }
   const simulation::Programs programs = programsOf(*forest, files);
@@ -76,13 +76,13 @@ void fuzzForest(std::string_view text) {
   options.limits = smallLimits();
   options.seed = forest->seed.value_or(1);
   options.hasSeed = true;
-  options.derivationLength = kSteps;
+  options.derivationLength = kForestSteps;
   options.seeds = server::seedRules(forest->seeds);
   simulation::Simulation simulation(programs, std::move(plants), nullptr, options);
   if (simulation.rewind()) {
     return;
   }
-  for (int step = 0; step < kSteps && !simulation.isFinished(); ++step) {
+  for (int step = 0; step < kForestSteps && !simulation.isFinished(); ++step) {
     const std::uint64_t before = simulation.stateHash();
     if (simulation.step()) {
       ESPALIER_CHECK(simulation.stateHash() == before);

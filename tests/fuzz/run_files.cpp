@@ -13,9 +13,7 @@
 namespace espalier::fuzz {
 namespace {
 
-constexpr const char* kModel = "model.l";
-constexpr const char* kView = "model.v";
-constexpr int kSteps = 4;
+constexpr int kRunSteps = 4;
 
 class AnsweringEnvironment final : public turtle::EnvironmentProcess {
  public:
@@ -75,7 +73,7 @@ std::optional<RunFiles> runFilesOf(std::string_view bundle, core::Compatibility 
     return std::nullopt;
   }
   recorder->begin(simulation);
-  for (int step = 0; step < kSteps && !simulation.isFinished() && !simulation.step(); ++step) {
+  for (int step = 0; step < kRunSteps && !simulation.isFinished() && !simulation.step(); ++step) {
     recorder->complete(simulation);
   }
   core::StringSink snapshot;

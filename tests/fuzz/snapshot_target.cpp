@@ -16,7 +16,7 @@
 namespace espalier::fuzz {
 namespace {
 
-constexpr int kSteps = 2;
+constexpr int kSnapshotSteps = 2;
 
 /// The models of a snapshot, compiled once for each hash: restore compares the hash with the Program's, and what
 /// compiling does with a stranger's text is another target.
@@ -70,7 +70,7 @@ void fuzzSnapshot(std::string_view bytes) {
   if (simulation.restore(snapshot)) {
     return;
   }
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kSnapshotSteps; ++step) {
     const std::uint64_t completed = simulation.completedSteps();
     if (simulation.step()) {
       // a step that fails leaves everything as it was; only what a snapshot holds of a step under way is taken back

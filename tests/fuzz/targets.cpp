@@ -22,9 +22,6 @@
 namespace espalier::fuzz {
 namespace {
 
-constexpr const char* kModel = "model.l";
-constexpr const char* kView = "model.v";
-
 constexpr core::Compatibility kModes[] = {core::Compatibility::Espalier, core::Compatibility::Cpfg,
                                           core::Compatibility::CpfgBatch};
 

@@ -19,7 +19,6 @@ namespace espalier::fuzz {
 
 void fuzzString(std::string_view text) {
   constexpr const char* kString = "string.txt";
-  constexpr const char* kModel = "model.l";
   core::MemoryFileProvider files = unbundle(text, kString);
   language::CompileInput input;
   input.modelFile = kModel;

@@ -13,7 +13,7 @@
 #include "server/remote/remote_environment.h"
 #include "tests/support/places.h"
 
-namespace espalier {
+namespace espalier::transports_test {
 namespace {
 
 constexpr const char* kHonda = R"({"radius":0.5})";
@@ -153,4 +153,4 @@ TEST(Transports, ASnapshotContinuesAgainstTheSameProcessElsewhere) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::transports_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::protocol {
+namespace espalier::protocol::base64_test {
 namespace {
 
 TEST(Base64, WritesTheExamplesOfRfc4648) {
@@ -28,4 +28,4 @@ TEST(Base64, RefusesWhatItWouldNotHaveWritten) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::base64_test

@@ -7,7 +7,7 @@
 #include "protocol/codec.h"
 #include "protocol/framing.h"
 
-namespace espalier::protocol {
+namespace espalier::protocol::bulk_text_test {
 namespace {
 
 std::string stepLine(std::size_t count, const std::string& extra = "") {
@@ -139,4 +139,4 @@ TEST(BulkText, ABigAnswerToAnotherQuestionIsStillReadByItsOwnDecoder) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::bulk_text_test

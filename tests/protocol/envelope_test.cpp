@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::protocol {
+namespace espalier::protocol::envelope_test {
 namespace {
 
 Message good(std::string_view line) {
@@ -117,4 +117,4 @@ TEST(Envelope, ReadsAnObjectOfTexts) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::envelope_test

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace espalier::protocol {
+namespace espalier::protocol::framing_test {
 namespace {
 
 TEST(Framing, CutsLinesHoweverTheBytesArrive) {
@@ -201,4 +201,4 @@ TEST(WebSocketFrame, ABinaryFrameCarriesWhatTheStreamCarries) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::framing_test

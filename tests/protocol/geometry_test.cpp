@@ -8,7 +8,7 @@
 #include "protocol/codec.h"
 #include "protocol/framing.h"
 
-namespace espalier::protocol {
+namespace espalier::protocol::geometry_test {
 namespace {
 
 /// A segment, a triangle and a square of two triangles, as the difference from one segment before.
@@ -148,4 +148,4 @@ TEST(Geometry, NumbersThatAreNotFiniteAreNotWritten) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::geometry_test

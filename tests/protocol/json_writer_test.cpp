@@ -9,7 +9,7 @@
 
 #include "protocol/codec.h"
 
-namespace espalier::protocol {
+namespace espalier::protocol::json_writer_test {
 namespace {
 
 std::string number(double value) {
@@ -81,4 +81,4 @@ TEST(JsonWriter, PlacesCommas) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::json_writer_test

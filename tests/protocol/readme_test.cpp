@@ -13,7 +13,7 @@
 #include "protocol/methods.h"
 #include "tests/support/places.h"
 
-namespace espalier::protocol {
+namespace espalier::protocol::readme_test {
 namespace {
 
 using nlohmann::json;
@@ -219,4 +219,4 @@ TEST(Readme, TheNumbersOfErrorsAreFrozen) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::readme_test

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace espalier::protocol {
+namespace espalier::protocol::roles_test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -31,4 +31,4 @@ TEST(Roles, WhatIsGrantedAllowsNoMore) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::roles_test

@@ -9,7 +9,7 @@
 #include "tests/server/server_fixture.h"
 #include "tests/support/sanitized.h"
 
-namespace espalier::server {
+namespace espalier::server::accounts_in_use_test {
 namespace {
 
 /// Long enough to decode the big models of these tests, and too short to compile them.
@@ -373,7 +373,7 @@ client::Outcome openInEditor(client::Client& client, const std::string& text) {
 }
 
 TEST(AccountsInUse, WhatAnEditorKeepsCountsAsLongAsItsConnection) {
-  const RunningServer server(withMemory(400'000'000));
+  const RunningServer server(withMemory(100'000'000));
   const auto watcher = connectTo(server);
   auto client = connectTo(server);
   const auto compilingBytes = [&] { return numberOf(member(statusOf(*watcher), "memory"), "compilingBytes"); };
@@ -388,7 +388,7 @@ TEST(AccountsInUse, WhatAnEditorKeepsCountsAsLongAsItsConnection) {
   EXPECT_GT(compilingBytes(), 2'000'000U);
   EXPECT_LT(compilingBytes(), 2 * kept);
   // what it may not keep is refused
-  const protocol::Error error = errorOf(openInEditor(*client, bigModel(1'000'000)));
+  const protocol::Error error = errorOf(openInEditor(*client, bigModel(250'000)));
   EXPECT_EQ(member(error.data, "limit"), "memoryBytes") << error.message;
   client.reset();
   // a worker destroys it
@@ -672,4 +672,4 @@ TEST(AccountsInUse, StatesThatAreRestoredAndEditedHaveTheBoundsOfSteps) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::accounts_in_use_test

@@ -8,7 +8,7 @@
 #include "server/session/session.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::deletion_test {
 namespace {
 
 /// Keeps what a session sends, until a thread asks for it.
@@ -146,4 +146,4 @@ TEST(DeletionOfEnvironments, AnEnvironmentIsToldThatItsSimulationIsNoMore) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::deletion_test

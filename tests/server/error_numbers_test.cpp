@@ -10,7 +10,7 @@
 #include "tests/server/server_fixture.h"
 
 // the errors that only a bug or a moment brings about; the others are tested where they arise
-namespace espalier::server {
+namespace espalier::server::error_numbers_test {
 namespace {
 
 /// Keeps what a session sends.
@@ -127,4 +127,4 @@ TEST(ErrorNumbers, WithoutADataFolderThereAreNoCheckpoints) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::error_numbers_test

@@ -6,7 +6,7 @@
 
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::full_disk_test {
 namespace {
 
 /// As long as it lives, no file of this process grows.
@@ -147,4 +147,4 @@ TEST_F(FullDiskTest, WhatTakesAPlaceAndIsNeverSavedLeavesNothingOfTheOldOne) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::full_disk_test

@@ -9,7 +9,7 @@
 #include "server/store/compression.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::libraries_in_use_test {
 namespace {
 
 /// Doubles its string in each step.
@@ -114,4 +114,4 @@ TEST(LibrariesInUse, TracesOnDiskAreBounded) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::libraries_in_use_test

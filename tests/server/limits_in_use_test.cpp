@@ -3,7 +3,7 @@
 #include "tests/server/raw_peer.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::limits_in_use_test {
 namespace {
 
 std::string times(std::string_view text, std::size_t count) {
@@ -266,4 +266,4 @@ TEST(LimitsInUse, TheDataFolderTakesAsManyPagesAsItMayAndNotOneMore) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::limits_in_use_test

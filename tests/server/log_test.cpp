@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::server {
+namespace espalier::server::log_test {
 namespace {
 
 TEST(Log, ATextLineBeginsWithWhatItIsAbout) {
@@ -35,4 +35,4 @@ TEST(Log, AJsonLineHasMembers) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::log_test

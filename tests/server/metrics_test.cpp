@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::server {
+namespace espalier::server::metrics_test {
 namespace {
 
 TEST(Metrics, HistogramsAreCumulativeAndEndWithTheirSumAndCount) {
@@ -54,4 +54,4 @@ TEST(Metrics, EveryGaugeHasAFamilyOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::metrics_test

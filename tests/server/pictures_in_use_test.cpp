@@ -10,7 +10,7 @@
 #include "tests/server/server_fixture.h"
 #include "tests/support/places.h"
 
-namespace espalier::server {
+namespace espalier::server::pictures_in_use_test {
 namespace {
 
 constexpr std::uint64_t kMemoryBytes = 30'000'000;
@@ -81,4 +81,4 @@ TEST(PicturesInUse, APictureThatIsShorterThanItsSizeSaysTakesNoMemory) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::pictures_in_use_test

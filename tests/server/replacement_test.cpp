@@ -2,7 +2,7 @@
 #include "protocol/json_writer.h"
 #include "tests/server/raw_peer.h"
 
-namespace espalier::server {
+namespace espalier::server::replacement_test {
 namespace {
 
 constexpr std::string_view kShortChain = "Lsystem: 1\nderivation length: 3\nAxiom: FA\nA --> FA\nendlsystem\n";
@@ -148,4 +148,4 @@ TEST(Replacement, WhatASimulationSaysOfItsModelMakesItAgain) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::replacement_test

@@ -1,7 +1,7 @@
 // Models and configurations that could end the server, or compute without end in an environment.
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::runaway_environments_test {
 namespace {
 
 TEST(RunawayEnvironments, LightAmongPlacesFarAwayIsAnError) {
@@ -105,4 +105,4 @@ TEST(RunawayEnvironments, AFieldThatSpreadsForLongEndsWithCallSecondsAndStaysAsI
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::runaway_environments_test

@@ -8,7 +8,7 @@
 #include "server/store/store.h"
 #include "tests/server/raw_peer.h"
 
-namespace espalier::server {
+namespace espalier::server::server_test {
 namespace {
 
 TEST(Server, GrowsAPlantThroughTheWholeDialogue) {
@@ -686,4 +686,4 @@ TEST(Server, OthersAreServedWhileALongRunGoesOn) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::server_test

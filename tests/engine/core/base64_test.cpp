@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::core {
+namespace espalier::core::base64_test {
 namespace {
 
 TEST(Base64, WritesTheExamplesOfRfc4648) {
@@ -16,4 +16,4 @@ TEST(Base64, WritesTheExamplesOfRfc4648) {
 }
 
 }  // namespace
-}  // namespace espalier::core
+}  // namespace espalier::core::base64_test

@@ -7,7 +7,7 @@
 #include <new>
 #include <utility>
 
-namespace espalier::core {
+namespace espalier::core::buffer_test {
 namespace {
 
 TEST(Buffer, KeepsElementsWhileGrowingFromHeapToMapping) {
@@ -147,4 +147,4 @@ TEST(Buffer, TheLastThatSharesKeepsTheMemory) {
 }
 
 }  // namespace
-}  // namespace espalier::core
+}  // namespace espalier::core::buffer_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace espalier::core {
+namespace espalier::core::check_test {
 namespace {
 
 TEST(Check, SaysExpressionPlaceAndValues) {
@@ -23,4 +23,4 @@ TEST(Check, PassesSilently) {
 }
 
 }  // namespace
-}  // namespace espalier::core
+}  // namespace espalier::core::check_test

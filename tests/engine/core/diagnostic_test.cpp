@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::core {
+namespace espalier::core::diagnostic_test {
 namespace {
 
 TEST(Diagnostic, ShowsPlaceLineCaretAndHint) {
@@ -77,4 +77,4 @@ TEST(SuggestName, NamesTheNearestAndTheList) {
 }
 
 }  // namespace
-}  // namespace espalier::core
+}  // namespace espalier::core::diagnostic_test

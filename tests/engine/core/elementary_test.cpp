@@ -12,7 +12,7 @@
 
 #include "tests/bits/elementary_cases.h"
 
-namespace espalier::core {
+namespace espalier::core::elementary_test {
 namespace {
 
 using test::elementaryArgument;
@@ -144,4 +144,4 @@ TEST(Elementary, ValuesAtTheEndsOfTheRangesAreTheUsual) {
 }
 
 }  // namespace
-}  // namespace espalier::core
+}  // namespace espalier::core::elementary_test

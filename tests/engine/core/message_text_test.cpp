@@ -4,7 +4,7 @@
 
 #include "engine/core/diagnostic.h"
 
-namespace espalier::core {
+namespace espalier::core::message_text_test {
 namespace {
 
 TEST(MessageText, IsUtf8WithoutControlCharacters) {
@@ -47,4 +47,4 @@ TEST(MessageText, OfADiagnosticFitsTwoHundredColumns) {
 }
 
 }  // namespace
-}  // namespace espalier::core
+}  // namespace espalier::core::message_text_test

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace espalier::core {
+namespace espalier::core::number_text_test {
 namespace {
 
 std::string shortest(double value) {
@@ -138,4 +138,4 @@ TEST(NumberText, RoundingThroughPercentGKeepsSixDigits) {
 }
 
 }  // namespace
-}  // namespace espalier::core
+}  // namespace espalier::core::number_text_test

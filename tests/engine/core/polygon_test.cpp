@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace espalier::core {
+namespace espalier::core::polygon_test {
 namespace {
 
 // the triangles cover a simple polygon when they are count - 2, all turn as it does, and have its area together
@@ -67,4 +67,4 @@ TEST(Polygon, APolygonThatCrossesItselfStillGivesTriangles) {
 }
 
 }  // namespace
-}  // namespace espalier::core
+}  // namespace espalier::core::polygon_test

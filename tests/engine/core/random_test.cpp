@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-namespace espalier::core {
+namespace espalier::core::random_test {
 namespace {
 
 TEST(CounterRandom, IsAPureFunctionOfItsKey) {
@@ -95,4 +95,4 @@ TEST(SequentialRandom, IsTheGeneratorOfErand48) {
 }
 
 }  // namespace
-}  // namespace espalier::core
+}  // namespace espalier::core::random_test

@@ -7,7 +7,7 @@
 #include "engine/core/buffer.h"
 #include "engine/core/worker_team.h"
 
-namespace espalier::core {
+namespace espalier::core::work_meter_test {
 namespace {
 
 /// Allows so many bytes.
@@ -95,4 +95,4 @@ TEST(WorkMeter, ThreadsOfATeamWorkForTheMeterOfTheirCaller) {
 }
 
 }  // namespace
-}  // namespace espalier::core
+}  // namespace espalier::core::work_meter_test

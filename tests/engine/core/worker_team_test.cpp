@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace espalier {
+namespace espalier::worker_team_test {
 namespace {
 
 using core::WorkerTeam;
@@ -115,4 +115,4 @@ TEST(WorkerTeam, OfTwoTasksThatFailAtOnceTheLowerReachesTheCaller) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::worker_team_test

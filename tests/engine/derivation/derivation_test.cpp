@@ -9,7 +9,7 @@
 #include "engine/derivation/state/string_text.h"
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::derivation_test {
 namespace {
 
 using core::Compatibility;
@@ -361,4 +361,4 @@ TEST(Derivation, HomomorphismSeedGivesItAStreamOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::derivation_test

@@ -9,7 +9,7 @@
 #include "engine/derivation/rewrite_record.h"
 #include "tests/support/derived_model.h"
 
-namespace espalier::derivation {
+namespace espalier::derivation::explanation_test {
 namespace {
 
 using test::DerivedModel;
@@ -235,4 +235,4 @@ TEST(Explanation, ARecordedStepMakesTheSameStringAsAnUnrecordedOne) {
 }
 
 }  // namespace
-}  // namespace espalier::derivation
+}  // namespace espalier::derivation::explanation_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::language_sentences_test {
 namespace {
 
 struct Sentence {
@@ -174,4 +174,4 @@ INSTANTIATE_TEST_SUITE_P(Cut, LanguageSentence, testing::ValuesIn(kCut));
 INSTANTIATE_TEST_SUITE_P(Sections, LanguageSentence, testing::ValuesIn(kSections));
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::language_sentences_test

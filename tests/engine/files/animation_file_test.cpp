@@ -5,7 +5,7 @@
 
 #include "engine/files/animation_file.h"
 
-namespace espalier::files {
+namespace espalier::files::animation_file_test {
 namespace {
 
 struct Read {
@@ -137,4 +137,4 @@ TEST(AnimationFile, TheFinalFrameIsWhereTheFramesEnd) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::animation_file_test

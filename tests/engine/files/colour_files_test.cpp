@@ -4,7 +4,7 @@
 
 #include "engine/files/colour_files.h"
 
-namespace espalier::files {
+namespace espalier::files::colour_files_test {
 namespace {
 
 std::string map() {
@@ -87,4 +87,4 @@ TEST(Palette, TheKindReadLastCounts) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::colour_files_test

@@ -5,7 +5,7 @@
 
 #include "engine/files/model_folder.h"
 
-namespace espalier::files {
+namespace espalier::files::model_folder_test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -171,4 +171,4 @@ TEST(ModelFolder, ReadsThePaletteOfACommand) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::model_folder_test

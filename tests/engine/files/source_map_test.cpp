@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::files {
+namespace espalier::files::source_map_test {
 namespace {
 
 SourceMap twoSegments() {
@@ -62,4 +62,4 @@ TEST(SourceMap, LocateInFileClampsToTheFileAndTheLine) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::source_map_test

@@ -5,7 +5,7 @@
 
 #include "engine/files/text_cursor.h"
 
-namespace espalier::files {
+namespace espalier::files::text_cursor_test {
 namespace {
 
 std::optional<double> number(std::string_view text) {
@@ -63,4 +63,4 @@ TEST(TextCursor, KeywordsMatchAcrossBlanksOrNotAtAll) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::text_cursor_test

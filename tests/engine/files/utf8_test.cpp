@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::files {
+namespace espalier::files::utf8_test {
 namespace {
 
 TEST(Utf8, SequencesHaveOneToFourBytes) {
@@ -32,4 +32,4 @@ TEST(Utf8, OtherTextIsTakenForLatin1) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::utf8_test

@@ -5,7 +5,7 @@
 #include "engine/language/format/disassembler.h"
 #include "tests/engine/language/compile_text.h"
 
-namespace espalier::language {
+namespace espalier::language::analyser_test {
 namespace {
 
 using core::Compatibility;
@@ -310,4 +310,4 @@ TEST(Analyser, WarningsAreDroppedBesideSyntaxErrors) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::analyser_test

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace espalier::language {
+namespace espalier::language::arithmetic_test {
 namespace {
 
 double call(Function function, std::vector<double> arguments) {
@@ -116,4 +116,4 @@ TEST(Arithmetic, TableNamesEveryFunction) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::arithmetic_test

@@ -14,7 +14,7 @@
 #include "engine/language/compiler.h"
 #include "tests/support/places.h"
 
-namespace espalier::language {
+namespace espalier::language::broken_models_test {
 namespace {
 
 const std::filesystem::path kFolder(sourceFolder() + "/tests/engine/language/broken");
@@ -89,4 +89,4 @@ TEST(BrokenModels, EveryMessageHasAPlaceAndNoneRepeatsAnother) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::broken_models_test

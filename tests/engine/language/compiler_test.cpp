@@ -5,7 +5,7 @@
 #include "engine/language/format/disassembler.h"
 #include "tests/engine/language/compile_text.h"
 
-namespace espalier::language {
+namespace espalier::language::compiler_test {
 namespace {
 
 using core::Compatibility;
@@ -394,4 +394,4 @@ TEST(Compiler, MessagesComeInTheOrderOfTheText) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::compiler_test

@@ -11,7 +11,7 @@
 #include "tests/engine/language/compile_text.h"
 #include "tests/support/places.h"
 
-namespace espalier::language {
+namespace espalier::language::conformance_models_test {
 namespace {
 
 class FolderFiles final : public core::FileProvider {
@@ -91,4 +91,4 @@ TEST(GalleryModels, GiveNoWarnings) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::conformance_models_test

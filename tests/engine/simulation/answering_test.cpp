@@ -2,7 +2,7 @@
 #include "engine/turtle/scene/geometry.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::answering_test {
 namespace {
 
 /// Keeps what it is given, and answers the number of organs.
@@ -320,4 +320,4 @@ TEST(Answering, ATraceWithGeometryIsReplayedWithoutIt) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::answering_test

@@ -7,7 +7,7 @@
 
 #include "engine/simulation/byte_writer.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::byte_reader_test {
 namespace {
 
 TEST(ByteReader, ReadsWhatWasWritten) {
@@ -59,4 +59,4 @@ TEST(ByteReader, ALengthThatCannotBeFailsWithoutAllocating) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::byte_reader_test

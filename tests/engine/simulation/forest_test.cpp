@@ -12,7 +12,7 @@
 #include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::forest_test {
 namespace {
 
 // grows a random internode each step, asks the environment, drops a seed to its side in its third step and dies in its
@@ -482,4 +482,4 @@ TEST(Forest, EditingKnowsTheModelOfThePlant) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::forest_test

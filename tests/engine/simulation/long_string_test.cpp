@@ -9,7 +9,7 @@
 #include "tests/engine/simulation/simulation_fixture.h"
 #include "tests/support/sanitized.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::long_string_test {
 namespace {
 
 std::uint64_t availableBytes() {
@@ -79,4 +79,4 @@ TEST(LongString, HasMoreThanTwoToThe32ModulesAndItsLastQueryIsAnswered) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::long_string_test

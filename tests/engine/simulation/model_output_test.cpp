@@ -4,7 +4,7 @@
 
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::model_output_test {
 namespace {
 
 constexpr const char* kWritingModel =
@@ -136,4 +136,4 @@ TEST(ModelOutput, GoesOnFromASnapshot) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::model_output_test

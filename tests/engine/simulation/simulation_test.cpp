@@ -6,7 +6,7 @@
 #include "engine/simulation/plants_view.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::simulation_test {
 namespace {
 
 constexpr const char* kHeightModel =
@@ -391,4 +391,4 @@ TEST(Simulation, TheViewVolumeIsTheBoundingBoxOfTheStringThatAStepReads) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::simulation_test

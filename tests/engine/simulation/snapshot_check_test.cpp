@@ -6,7 +6,7 @@
 #include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::snapshot_check_test {
 namespace {
 
 // variables, an array, a production-local variable, sub-L-systems and a query
@@ -219,4 +219,4 @@ TEST(RestoredFiles, AreNotWrittenWhereModelsMayNotWrite) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::snapshot_check_test

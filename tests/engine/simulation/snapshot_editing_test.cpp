@@ -3,7 +3,7 @@
 #include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::snapshot_editing_test {
 namespace {
 
 constexpr const char* kEditedTree =
@@ -82,4 +82,4 @@ TEST(SnapshotEditing, VariablesHaveTheirNewValuesInTheNextStep) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::snapshot_editing_test

@@ -6,7 +6,7 @@
 #include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::snapshot_test {
 namespace {
 
 std::string messageOf(const tl::expected<SnapshotInfo, core::SimulationError>& result) {
@@ -249,4 +249,4 @@ TEST(Snapshot, ADamagedByteIsFoundByTheChecksum) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::snapshot_test

@@ -7,7 +7,7 @@
 
 #include "engine/language/compiler.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::trace_test {
 namespace {
 
 /// Answers the height, and fails in the steps it is told to.
@@ -236,4 +236,4 @@ TEST(Trace, RubbishIsRefusedWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::trace_test

@@ -11,7 +11,7 @@
 #include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::view_drawing_test {
 namespace {
 
 using Records = std::vector<turtle::TurtleRecord>;
@@ -357,4 +357,4 @@ TEST(ViewDrawing, ReadersHoldOldViewsWhileTheSimulationGoesOn) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::view_drawing_test

@@ -4,7 +4,7 @@
 #include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::world_variables_test {
 namespace {
 
 SimulationOptions inWeather(const std::string& table) {
@@ -121,4 +121,4 @@ TEST(WorldVariables, WrongNamesAndPlacesAreErrors) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::world_variables_test

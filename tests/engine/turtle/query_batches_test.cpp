@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace espalier::turtle {
+namespace espalier::turtle::query_batches_test {
 namespace {
 
 // four queries with parameters (1, 7), (2), (3), (4, 8, 9) and following modules with none to two parameters
@@ -56,4 +56,4 @@ TEST(QueryBatches, ColumnsThatNobodyNeedsStayEmpty) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::query_batches_test

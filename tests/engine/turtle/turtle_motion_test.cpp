@@ -5,7 +5,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::turtle_motion_test {
 namespace {
 
 constexpr double kQuarter = std::numbers::pi / 2.0;
@@ -127,4 +127,4 @@ TEST(TurtleMotion, QuaternionOfOtherFrames) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::turtle_motion_test

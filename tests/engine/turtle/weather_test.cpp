@@ -6,7 +6,7 @@
 
 #include "engine/core/elementary.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::weather_test {
 namespace {
 
 Weather weatherOf(const std::string& text, const std::string& start = {}) {
@@ -113,4 +113,4 @@ TEST(Weather, AMissingValueSaysWhichAndWhen) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::weather_test

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace espalier::turtle {
+namespace espalier::turtle::world_test {
 namespace {
 
 TEST(World, AMomentHasAnOffsetFromUniversalTime) {
@@ -44,4 +44,4 @@ TEST(World, WhatCannotBeHasASentence) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::world_test

@@ -6,7 +6,7 @@
 
 #include "environment/hydraulics/leaf_gas.h"
 
-namespace espalier::environment {
+namespace espalier::environment::air_test {
 namespace {
 
 TEST(Air, TheAirOverGrassResistsAsFao56Says) {
@@ -36,4 +36,4 @@ TEST(Air, WithoutWindOnlyTheEnergyCounts) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::air_test

@@ -6,7 +6,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::configuration_test {
 namespace {
 
 constexpr std::array<std::string_view, 2> kModes{"fast", "exact"};
@@ -161,4 +161,4 @@ TEST(Configuration, MustBeAnObject) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::configuration_test

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace espalier::environment {
+namespace espalier::environment::json_text_test {
 namespace {
 
 TEST(JsonText, ManyObjectsInAnArrayTakeNoLongerThanTheirText) {
@@ -39,4 +39,4 @@ TEST(JsonText, ANameThatAnInnerObjectHasTwiceIsFound) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::json_text_test

@@ -6,7 +6,7 @@
 
 #include "engine/core/simulation_error.h"
 
-namespace espalier::environment {
+namespace espalier::environment::loaded_library_test {
 namespace {
 
 std::string failureOf(const LoadedLibrary& library, const char* function) {
@@ -39,4 +39,4 @@ TEST(LoadedLibrary, SaysWhichFunctionIsMissing) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::loaded_library_test

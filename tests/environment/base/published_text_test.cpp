@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::environment {
+namespace espalier::environment::published_text_test {
 namespace {
 
 TEST(PublishedText, SplitsKeywordsAtTheColonAndKeepsThemExactly) {
@@ -98,4 +98,4 @@ TEST(PublishedText, FilesLieBesideTheFileThatNamesThem) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::published_text_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::environment {
+namespace espalier::environment::state_bytes_test {
 namespace {
 
 TEST(StateBytes, ReadBackWhatWasWritten) {
@@ -30,4 +30,4 @@ TEST(StateBytes, CutOffStateIsNoticed) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::state_bytes_test

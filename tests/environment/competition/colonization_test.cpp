@@ -5,7 +5,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::colonization_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -186,4 +186,4 @@ TEST(Colonization, AnEmptyEnvelopeAndATurnedBoxAreErrors) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::colonization_test

@@ -5,7 +5,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::crowding_test {
 namespace {
 
 using std::numbers::pi;
@@ -167,4 +167,4 @@ TEST(Crowding, WhatCannotBeIsAnError) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::crowding_test

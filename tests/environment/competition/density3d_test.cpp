@@ -2,7 +2,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::density3d_test {
 namespace {
 
 constexpr const char* kBox = R"({"range":[10,10,10],"position":[-5,-5,-5],"gridSize":[10,10,10]})";
@@ -113,4 +113,4 @@ TEST(Density3d, AStateOfAnotherBoxIsRefused) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::density3d_test

@@ -6,7 +6,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::density_test {
 namespace {
 
 TEST(Density, AnotherTipActsByTheSquareOfItsDistanceASourceByItsDistance) {
@@ -88,4 +88,4 @@ TEST(Density, ThePlaneCanBeChosen) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::density_test

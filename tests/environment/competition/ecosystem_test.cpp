@@ -6,7 +6,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::ecosystem_test {
 namespace {
 
 struct Plant {
@@ -134,4 +134,4 @@ TEST(Ecosystem, GroupsDoNotCompeteWithEachOther) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::ecosystem_test

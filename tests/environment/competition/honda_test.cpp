@@ -7,7 +7,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::honda_test {
 namespace {
 
 struct Tip {
@@ -143,4 +143,4 @@ TEST(Honda, ACrowdOfOneVigorCostsNoMoreThanSorting) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::honda_test

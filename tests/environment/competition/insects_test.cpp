@@ -5,7 +5,7 @@
 #include "engine/core/elementary.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::insects_test {
 namespace {
 
 TEST(Insects, ShareTheOfferOnWhichTheySit) {
@@ -86,4 +86,4 @@ TEST(Insects, AnInsectThatNoticesNothingWanders) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::insects_test

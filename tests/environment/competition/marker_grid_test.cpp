@@ -8,7 +8,7 @@
 #include <random>
 #include <set>
 
-namespace espalier::environment {
+namespace espalier::environment::marker_grid_test {
 namespace {
 
 using core::Vec3;
@@ -90,4 +90,4 @@ TEST(MarkerGrid, TakesNoMarkersAndMarkersOfAnyDistance) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::marker_grid_test

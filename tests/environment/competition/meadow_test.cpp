@@ -2,7 +2,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::meadow_test {
 namespace {
 
 // density rises by 1 per column of 2: samples at −2, 0 and 2 see neighbouring columns
@@ -62,4 +62,4 @@ TEST(Meadow, CompatibleInsectsAreToldByTheirFollowingModule) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::meadow_test

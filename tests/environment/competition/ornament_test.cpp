@@ -6,7 +6,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::ornament_test {
 namespace {
 
 constexpr const char* kTen = R"({"range":[10,10],"position":[0,0],"gridSize":[100,100]})";
@@ -86,4 +86,4 @@ TEST(Ornament, ThePublishedOneCountsAtMost255Objects) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::ornament_test

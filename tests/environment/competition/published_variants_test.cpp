@@ -8,7 +8,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::published_variants_test {
 namespace {
 
 constexpr const char* kHonda = R"({"compatible":true,"radius":0.3})";
@@ -106,4 +106,4 @@ TEST(PublishedOrnament, CountsAtMost255AndOnlyTwoParameters) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::published_variants_test

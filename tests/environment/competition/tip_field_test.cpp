@@ -8,7 +8,7 @@
 #include <random>
 #include <tuple>
 
-namespace espalier::environment {
+namespace espalier::environment::tip_field_test {
 namespace {
 
 using Sums = std::map<std::tuple<std::uint32_t, std::size_t, std::size_t>, double>;
@@ -97,4 +97,4 @@ TEST(TipField, PointsAtOnePlaceAndNoPointsAtAllAreNoError) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::tip_field_test

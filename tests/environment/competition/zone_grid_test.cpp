@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace espalier::environment {
+namespace espalier::environment::zone_grid_test {
 namespace {
 
 using Disc = ZoneGrid::Disc;
@@ -70,4 +70,4 @@ TEST(ZoneGrid, LooksAtFewDiscsWhereZonesAreSmall) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::zone_grid_test

@@ -4,7 +4,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::attractors_test {
 namespace {
 
 std::vector<std::optional<double>> pullAt(const std::string& configuration, const core::Vec3& place) {
@@ -47,4 +47,4 @@ TEST(Attractors, WithoutAnyNobodyIsLeftToThinkThatNothingPulls) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::attractors_test

@@ -2,7 +2,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::constant_test {
 namespace {
 
 TEST(Constant, FillsAsManyParametersAsTheModuleHas) {
@@ -34,4 +34,4 @@ TEST(Constant, AnEmptyListAnswersNothing) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::constant_test

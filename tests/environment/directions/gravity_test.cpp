@@ -2,7 +2,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::gravity_test {
 namespace {
 
 TEST(Gravity, DrawsAgainstTheWorldsUp) {
@@ -27,4 +27,4 @@ TEST(Gravity, RefusesADirectionOfNoLength) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::gravity_test

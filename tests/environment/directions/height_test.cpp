@@ -4,7 +4,7 @@
 #include "engine/simulation/simulation.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::height_test {
 namespace {
 
 TEST(Height, IsTheDistanceFromTheOriginAlongUp) {
@@ -77,4 +77,4 @@ TEST(Height, TheLecturesModelDerivesThePrintedStrings) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::height_test

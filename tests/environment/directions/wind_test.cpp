@@ -5,7 +5,7 @@
 #include "engine/turtle/weather.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::wind_test {
 namespace {
 
 double speedAt(const std::string& configuration, double height) {
@@ -86,4 +86,4 @@ TEST(Wind, TheWeatherBringsTheSpeed) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::wind_test

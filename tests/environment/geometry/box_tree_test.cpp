@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-namespace espalier::environment {
+namespace espalier::environment::box_tree_test {
 namespace {
 
 using core::Vec3;
@@ -129,4 +129,4 @@ TEST(BoxTree, WithoutBoxesNothingIsVisited) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::box_tree_test

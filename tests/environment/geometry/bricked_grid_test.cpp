@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::environment {
+namespace espalier::environment::bricked_grid_test {
 namespace {
 
 TEST(BrickedGrid, IsZeroUntilWrittenAndAfterClear) {
@@ -48,4 +48,4 @@ TEST(BrickedGrid, OutsideReadsAsZero) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::bricked_grid_test

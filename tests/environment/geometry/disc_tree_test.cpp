@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace espalier::environment {
+namespace espalier::environment::disc_tree_test {
 namespace {
 
 TEST(DiscTree, FindsOverlapsAsPairByPairAlsoAfterRemovals) {
@@ -43,4 +43,4 @@ TEST(DiscTree, TouchingDiscsOverlapAndADiscNeverOverlapsItself) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::disc_tree_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace espalier::environment {
+namespace espalier::environment::kernel_tree_test {
 namespace {
 
 double ofSource(double squared) {
@@ -75,4 +75,4 @@ TEST(KernelTree, PointsAtOnePlaceAndNoneAtAll) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::kernel_tree_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace espalier::environment {
+namespace espalier::environment::point_tree_test {
 namespace {
 
 using core::Vec3;
@@ -61,4 +61,4 @@ TEST(PointTree, APointAloneHasNoNearestOne) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::point_tree_test

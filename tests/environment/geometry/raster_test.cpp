@@ -4,7 +4,7 @@
 #include "environment/published/published_environment.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::raster_test {
 namespace {
 
 /// The process of a specification of `clover`, with the picture `light.pnm`: two by two pixels, the first row on top.
@@ -71,4 +71,4 @@ TEST(Raster, CellsBelongToTheirLowBorders) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::raster_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace espalier::environment {
+namespace espalier::environment::shapes_test {
 namespace {
 
 using core::Vec3;
@@ -176,4 +176,4 @@ TEST(Shapes, BoundsHoldTheShape) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::shapes_test

@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-namespace espalier::environment {
+namespace espalier::environment::spatial_cells_test {
 namespace {
 
 TEST(SpatialCells, EveryPointIsInItsCellOnce) {
@@ -68,4 +68,4 @@ TEST(SpatialCells, NoPointsMakeNoCells) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::spatial_cells_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-namespace espalier::environment {
+namespace espalier::environment::sphere_tree_test {
 namespace {
 
 using core::Vec3;
@@ -110,4 +110,4 @@ TEST(SphereTree, TheOrderHasEverySphereOnce) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::sphere_tree_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace espalier::environment {
+namespace espalier::environment::hydraulic_tree_test {
 namespace {
 
 using Node = HydraulicTree::Node;
@@ -179,4 +179,4 @@ TEST(HydraulicTree, SeveralPlantsAreEachAsAlone) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::hydraulic_tree_test

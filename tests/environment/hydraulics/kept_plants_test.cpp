@@ -7,7 +7,7 @@
 #include "environment/hydraulics/uptake_fractions.h"
 #include "tests/environment/hydraulics/root_drawing.h"
 
-namespace espalier::environment {
+namespace espalier::environment::kept_plants_test {
 namespace {
 
 using Node = HydraulicTree::Node;
@@ -110,4 +110,4 @@ TEST(KeptPlants, AnswerLikeNewOnes) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::kept_plants_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace espalier::environment {
+namespace espalier::environment::leaf_gas_test {
 namespace {
 
 /// The reference crop of FAO-56: a surface of 70 s/m, and 208/u s/m in the air above it.
@@ -81,4 +81,4 @@ TEST(LeafGas, TheBoundaryLayerIsThatOfALaminarPlate) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::leaf_gas_test

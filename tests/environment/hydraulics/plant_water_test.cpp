@@ -8,7 +8,7 @@
 
 #include "environment/hydraulics/rhizosphere.h"
 
-namespace espalier::environment {
+namespace espalier::environment::plant_water_test {
 namespace {
 
 using Node = HydraulicTree::Node;
@@ -176,4 +176,4 @@ TEST(PlantWater, StomataCloseAsTheSoilDriesAndFindTheirHeads) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::plant_water_test

@@ -12,7 +12,7 @@
 #include "tests/environment/hydraulics/root_drawing.h"
 #include "tests/environment/soil/soils.h"
 
-namespace espalier::environment {
+namespace espalier::environment::xylem_test {
 namespace {
 
 const std::vector<double> kTen(10, 0.0);
@@ -687,4 +687,4 @@ TEST(Rhizosphere, FactorsAreThoseOfTheirLimits) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::xylem_test

@@ -8,7 +8,7 @@
 #include "environment/light/light_directions.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::chiba_test {
 namespace {
 
 constexpr const char* kZenith = R"({"transmittance":0.25,"sources":[[0,1,0,1]])";
@@ -157,4 +157,4 @@ TEST(LightDirections, AnOvercastSkyIsBrightestAbove) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::chiba_test

@@ -5,7 +5,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::clover_test {
 namespace {
 
 constexpr const char* kTen = R"({"range":[10,10],"position":[0,0],"gridSize":[100,100],"transmittance":0.5)";
@@ -97,4 +97,4 @@ TEST(Clover, CountsBelow0ShadeNothingUntilLeavesMakeUpForThem) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::clover_test

@@ -7,7 +7,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::published_chiba_test {
 namespace {
 
 /// Light of spheres of one radius in the compatible variant.
@@ -103,4 +103,4 @@ TEST(PublishedChiba, TheUniformSkyHasTheRatioBetweenItsHalves) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::published_chiba_test

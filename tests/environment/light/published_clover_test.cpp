@@ -7,7 +7,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::published_clover_test {
 namespace {
 
 constexpr const char* kTwenty =
@@ -93,4 +93,4 @@ TEST(PublishedClover, CellsShowThePixelOfTheirIndexTimesPixelsPerCell) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::published_clover_test

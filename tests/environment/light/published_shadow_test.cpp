@@ -6,7 +6,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::published_shadow_test {
 namespace {
 
 constexpr const char* kSmall = R"({"compatible":true,"gridSize":21,"gridSpan":10,"shadowDepth":3,"sampleRadius":1)";
@@ -104,4 +104,4 @@ TEST(PublishedShadow, TheFirstRandomNumbersAreThoseOfTheSelectionGenerator) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::published_shadow_test

@@ -4,7 +4,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::published_takenaka_test {
 namespace {
 
 std::vector<double> productsOf(const std::vector<core::Vec3>& places, const std::string& more = "") {
@@ -56,4 +56,4 @@ TEST(PublishedTakenaka, ADiskReplacesAllSources) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::published_takenaka_test

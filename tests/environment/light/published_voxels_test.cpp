@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace espalier::environment {
+namespace espalier::environment::published_voxels_test {
 namespace {
 
 std::vector<std::uint32_t> visited(PublishedVoxels& voxels, std::size_t own, const FloatVec& direction) {
@@ -82,4 +82,4 @@ TEST(PublishedVoxels, ABoxWithoutExtentAndADirectionWithoutLengthEnd) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::published_voxels_test

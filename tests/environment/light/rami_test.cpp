@@ -7,7 +7,7 @@
 #include "environment/base/number_text.h"
 #include "tests/environment/light/stand.h"
 
-namespace espalier::environment {
+namespace espalier::environment::rami_test {
 namespace {
 
 constexpr double kRadius = 5;
@@ -129,4 +129,4 @@ TEST(Rami, VoxelsGiveThePublishedFluxesOfOpenForests) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::rami_test

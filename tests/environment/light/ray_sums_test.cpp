@@ -8,7 +8,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::ray_sums_test {
 namespace {
 
 struct Leaf {
@@ -115,4 +115,4 @@ TEST(RaySums, OnlyWhatChangedIsAskedForAgain) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::ray_sums_test

@@ -7,7 +7,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::shadow_test {
 namespace {
 
 // spacing 1 voxel a length unit: 2 * 50 / (101 - 1)
@@ -210,4 +210,4 @@ TEST(Shadow, ShadowsDoNotOutlastTheStep) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::shadow_test

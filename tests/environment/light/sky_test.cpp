@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace espalier::environment {
+namespace espalier::environment::sky_test {
 namespace {
 
 TEST(Sky, TheGaussRuleIsExactForPolynomials) {
@@ -52,4 +52,4 @@ TEST(Sky, TheClearSkyIsBrightAtTheSunAndAtTheHorizon) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::sky_test

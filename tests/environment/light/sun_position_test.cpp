@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace espalier::environment {
+namespace espalier::environment::sun_position_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -97,4 +97,4 @@ TEST(SunPosition, TheSunIsNearestInJanuary) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::sun_position_test

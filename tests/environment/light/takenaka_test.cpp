@@ -4,7 +4,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::takenaka_test {
 namespace {
 
 turtle::EnvironmentContext centimetres() {
@@ -91,4 +91,4 @@ TEST(Takenaka, RefusesLengthUnitsItCannotConvert) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::takenaka_test

@@ -6,7 +6,7 @@
 #include "environment/published/published_environment.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::arvo_test {
 namespace {
 
 turtle::QueryBatch at(const core::Vec3& place, const std::vector<double>& parameters, const core::Vec3& heading,
@@ -100,4 +100,4 @@ TEST(Arvo, ASpecificationNamesItsScene) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::arvo_test

@@ -7,7 +7,7 @@
 
 #include "environment/obstacles/scene_file.h"
 
-namespace espalier::environment {
+namespace espalier::environment::obstacle_scene_test {
 namespace {
 
 using core::Vec3;
@@ -136,4 +136,4 @@ TEST(SceneFile, SaysWhichLineLacksNumbers) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::obstacle_scene_test

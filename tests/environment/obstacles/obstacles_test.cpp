@@ -11,7 +11,7 @@
 #include "environment/output/mesh_embedding.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::obstacles_test {
 namespace {
 
 constexpr const char* kWall = R"({"boxes":[[2,0,-5,3,5,5]],"reach":50)";
@@ -227,4 +227,4 @@ TEST(MeshEmbedding, AMeshFileBesideTheConfigurationBecomesPartOfIt) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::obstacles_test

@@ -8,7 +8,7 @@
 #include "environment/output/field_output.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::field_embedding_test {
 namespace {
 
 turtle::Field field(const std::string& name, const std::string& unit) {
@@ -96,4 +96,4 @@ TEST(FieldEmbedding, ProcessesCountTheirCells) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::field_embedding_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace espalier::environment {
+namespace espalier::environment::field_output_test {
 namespace {
 
 using turtle::Field;
@@ -138,4 +138,4 @@ TEST(FieldOutput, ASummaryLeavesOutCellsWithoutANumber) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::field_output_test

@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-namespace espalier::environment {
+namespace espalier::environment::field_picture_test {
 namespace {
 
 using files::Image;
@@ -101,4 +101,4 @@ TEST(FieldPicture, WhatIsNoNumberIsGreyAndDoesNotCount) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::field_picture_test

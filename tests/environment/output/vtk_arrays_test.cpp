@@ -7,7 +7,7 @@
 
 #include "environment/output/field_output.h"
 
-namespace espalier::environment {
+namespace espalier::environment::vtk_arrays_test {
 namespace {
 
 std::string word(std::uint64_t number, std::size_t size) {
@@ -172,4 +172,4 @@ TEST(VtkArrays, AFileMayNotUnpackMoreThanItsBound) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::vtk_arrays_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::environment {
+namespace espalier::environment::environment_file_test {
 namespace {
 
 EnvironmentFile fileOf(const std::string& text) {
@@ -44,4 +44,4 @@ TEST(EnvironmentFile, ArgumentsAreIgnoredOnlyByABuiltInProcess) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::environment_file_test

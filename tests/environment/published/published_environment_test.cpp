@@ -3,7 +3,7 @@
 #include "environment/published/published_environment.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::published_environment_test {
 namespace {
 
 using core::Compatibility;
@@ -288,4 +288,4 @@ TEST(PublishedEnvironment, ErrorsOfMultipleAreLocated) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::published_environment_test

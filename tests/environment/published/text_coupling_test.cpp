@@ -4,7 +4,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::text_coupling_test {
 namespace {
 
 TurtleFormat formatOf(std::string_view text, std::size_t count = 3) {
@@ -132,4 +132,4 @@ TEST(TextCoupling, TimePassesOnlyWithQueries) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::text_coupling_test

@@ -5,7 +5,7 @@
 #include "engine/turtle/field.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::emission_test {
 namespace {
 
 double concentrationAt(turtle::EnvironmentProcess& process, const core::Vec3& place) {
@@ -113,4 +113,4 @@ TEST(Emission, ImpossibleTimesAndSizesAreErrors) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::emission_test

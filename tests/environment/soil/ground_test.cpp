@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace espalier::environment {
+namespace espalier::environment::ground_test {
 namespace {
 
 TEST(Ground, PointsFindTheirCellsForAnyDirectionOfUp) {
@@ -50,4 +50,4 @@ TEST(RateSeries, ARateStaysUntilTheNextAndRepeats) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::ground_test

@@ -6,7 +6,7 @@
 
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::published_soil_test {
 namespace {
 
 void expectNear(const std::vector<double>& found, const std::vector<double>& expected) {
@@ -128,4 +128,4 @@ TEST(PublishedSoil, TimePassesOnlyWithQueries) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::published_soil_test

@@ -6,7 +6,7 @@
 
 #include "tests/environment/soil/soils.h"
 
-namespace espalier::environment {
+namespace espalier::environment::richards_test {
 namespace {
 
 /// The soil of Celia, Bouloutas & Zarba (1990), section 4: cm and, per day, cm/s × 86400.
@@ -228,4 +228,4 @@ TEST(Richards, WaterSpreadsAlikeToAllSidesWithoutGravityAcross) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::richards_test

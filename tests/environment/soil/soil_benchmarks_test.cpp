@@ -9,7 +9,7 @@
 #include "environment/soil/solutes.h"
 #include "tests/environment/soil/soils.h"
 
-namespace espalier::environment {
+namespace espalier::environment::soil_benchmarks_test {
 namespace {
 
 RichardsSolver columnOf(const SoilLayer& soil, std::vector<double> heights, double head) {
@@ -187,4 +187,4 @@ TEST(SoilBenchmarks, ASoluteFrontIsThatOfOgataAndBanksAndOfSecondOrder) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::soil_benchmarks_test

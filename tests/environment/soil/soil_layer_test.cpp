@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace espalier::environment {
+namespace espalier::environment::soil_layer_test {
 namespace {
 
 TEST(SoilLayer, FollowsVanGenuchtenAndMualem) {
@@ -30,4 +30,4 @@ TEST(SoilLayer, CapacityIsTheSlopeAndHeadAtTheInverseOfTheContent) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::soil_layer_test

@@ -4,7 +4,7 @@
 #include "environment/published/published_environment.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::soil_specification_test {
 namespace {
 
 ProcessOrErrors soilOf(const std::string& specification) {
@@ -117,4 +117,4 @@ TEST(SoilSpecification, WrongLinesAreLocatedErrors) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::soil_specification_test

@@ -7,7 +7,7 @@
 #include "environment/soil/soil_field.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::soil_test {
 namespace {
 
 std::vector<double> valuesOf(const std::vector<std::optional<double>>& row) {
@@ -246,4 +246,4 @@ TEST(Soil, WrongMapsAreErrors) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::soil_test

@@ -7,7 +7,7 @@
 #include "environment/base/air.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::soil_water_test {
 namespace {
 
 /// A column of a square metre with cells of 10 cm from −1 m to 0, in the default loam.
@@ -284,4 +284,4 @@ TEST(SoilWater, AFlowWithoutSolutionIsAnErrorAndChangesNothing) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::soil_water_test

@@ -6,7 +6,7 @@
 
 #include "tests/environment/soil/soils.h"
 
-namespace espalier::environment {
+namespace espalier::environment::solutes_test {
 namespace {
 
 /// A column of cells of 1 cm, saturated, through which water flows down by gravity at the saturated conductivity.
@@ -125,4 +125,4 @@ TEST(Solutes, ABufferedSoilTakesAcidByItsCapacity) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::solutes_test

@@ -3,7 +3,7 @@
 #include "protocol/codec.h"
 #include "tests/protocol/decoding/problem.h"
 
-namespace espalier::protocol {
+namespace espalier::protocol::decode_control_test {
 namespace {
 
 Payload params(const std::string& text) {
@@ -79,4 +79,4 @@ TEST(DecodeControl, SeedsBeyondExactIntegersAreRefused) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::decode_control_test

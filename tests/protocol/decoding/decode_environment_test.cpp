@@ -7,7 +7,7 @@
 #include "protocol/framing.h"
 #include "tests/protocol/decoding/problem.h"
 
-namespace espalier::protocol {
+namespace espalier::protocol::decode_environment_test {
 namespace {
 
 Payload payload(const std::string& member, const std::string& json) {
@@ -252,4 +252,4 @@ TEST(DecodeEnvironment, OpenCarriesSeedsOf64Bits) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::decode_environment_test

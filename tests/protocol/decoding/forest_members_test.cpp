@@ -5,7 +5,7 @@
 #include "protocol/codec.h"
 #include "tests/protocol/decoding/problem.h"
 
-namespace espalier::protocol {
+namespace espalier::protocol::forest_members_test {
 namespace {
 
 Payload params(const std::string& json) {
@@ -86,4 +86,4 @@ TEST(ForestMembers, WhatIsWrittenIsReadAgain) {
 }
 
 }  // namespace
-}  // namespace espalier::protocol
+}  // namespace espalier::protocol::forest_members_test

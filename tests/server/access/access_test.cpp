@@ -4,7 +4,7 @@
 
 #include "server/access/token.h"
 
-namespace espalier::server {
+namespace espalier::server::access_test {
 namespace {
 
 using protocol::Role;
@@ -139,4 +139,4 @@ TEST(Token, TwoNewOnesDiffer) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::access_test

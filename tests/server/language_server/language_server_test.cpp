@@ -12,7 +12,7 @@
 #include "engine/core/streams.h"
 #include "engine/core/work_meter.h"
 
-namespace espalier::server {
+namespace espalier::server::language_server_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -469,4 +469,4 @@ TEST(MessageCutter, RefusesWhatIsNoHead) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::language_server_test

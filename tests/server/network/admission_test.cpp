@@ -7,7 +7,7 @@
 
 #include "server/remote/limits.h"
 
-namespace espalier::server {
+namespace espalier::server::admission_test {
 namespace {
 
 TEST(Admission, TheConnectionThatHasWaitedLongestGivesItsPlaceToANewOne) {
@@ -105,4 +105,4 @@ TEST(Admission, FewDescriptorsLowerTheBounds) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::admission_test

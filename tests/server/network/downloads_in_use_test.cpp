@@ -6,7 +6,7 @@
 #include "server/server_core.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::downloads_in_use_test {
 namespace {
 
 constexpr std::string_view kBush =
@@ -133,4 +133,4 @@ TEST_F(DownloadsInUse, WhatIsGivenUpIsNotMadeAndAnAccountHasFewAtATime) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::downloads_in_use_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::server {
+namespace espalier::server::downloads_test {
 namespace {
 
 std::string described(std::string_view target) {
@@ -64,4 +64,4 @@ TEST(Downloads, AServerWithATokenWantsIt) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::downloads_test

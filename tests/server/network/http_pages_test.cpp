@@ -4,7 +4,7 @@
 
 #include "server/server_core.h"
 
-namespace espalier::server {
+namespace espalier::server::http_pages_test {
 namespace {
 
 TEST(HttpPages, BrowsersConnectFromPagesOfTheHostItselfOrAnAllowedOne) {
@@ -47,4 +47,4 @@ TEST(HttpPages, ThePathDecidesAndWhatFollowsItDoesNot) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::http_pages_test

@@ -12,7 +12,7 @@
 #include "tests/server/raw_peer.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::http_test {
 namespace {
 
 constexpr std::string_view kRequest = "GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n";
@@ -157,4 +157,4 @@ TEST(Http, APeerThatLeavesGivesItsDownloadUp) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::http_test

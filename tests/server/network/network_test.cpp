@@ -7,7 +7,7 @@
 
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::network_test {
 namespace {
 
 TEST(Network, AnEndlessStepAfterShortOnesKeepsNoOtherPeerWaiting) {
@@ -41,4 +41,4 @@ TEST(Network, AnEndlessStepAfterShortOnesKeepsNoOtherPeerWaiting) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::network_test

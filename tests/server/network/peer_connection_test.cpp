@@ -12,7 +12,7 @@
 #include "tests/server/raw_peer.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::peer_connection_test {
 namespace {
 
 TEST(PeerConnection, AnswersThatNobodyReadsYetComeWholeAndInTheirOrder) {
@@ -185,4 +185,4 @@ TEST(PeerConnection, SilentConnectionsNeverLockOutAClientThatSaysHello) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::peer_connection_test

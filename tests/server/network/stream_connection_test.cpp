@@ -9,7 +9,7 @@
 
 #include "server/session/session.h"
 
-namespace espalier::server {
+namespace espalier::server::stream_connection_test {
 namespace {
 
 using UnixSocket = asio::local::stream_protocol::socket;
@@ -85,4 +85,4 @@ TEST_F(ConnectionsByHand, AFloodOfMessagesOfOnePeerLetsAnotherBetween) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::stream_connection_test

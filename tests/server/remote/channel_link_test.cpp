@@ -13,7 +13,7 @@
 #include "protocol/json_text.h"
 #include "server/remote/processes/line_channel.h"
 
-namespace espalier::server {
+namespace espalier::server::channel_link_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -130,4 +130,4 @@ TEST(ChannelLink, AnAnswerThatComesTooLateIsNotTakenForTheNextOne) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::channel_link_test

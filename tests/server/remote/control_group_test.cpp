@@ -8,7 +8,7 @@
 
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::control_group_test {
 namespace {
 
 void write(const std::string& file, const std::string& text) {
@@ -64,4 +64,4 @@ TEST(ControlGroup, NonsenseIsNoBound) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::control_group_test

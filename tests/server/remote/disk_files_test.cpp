@@ -6,7 +6,7 @@
 
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::disk_files_test {
 namespace {
 
 TEST(DiskFiles, ReadsBackWhatWasWrittenAndLeavesNoTemporaryFile) {
@@ -53,4 +53,4 @@ TEST(DiskFiles, AnUnwritableNameIsASentenceThatSaysWhatToDo) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::disk_files_test

@@ -6,7 +6,7 @@
 #include "server/remote/trace_file.h"
 #include "tests/server/raw_peer.h"
 
-namespace espalier::server {
+namespace espalier::server::failure_policy_test {
 namespace {
 
 /// Answers a number, or fails while it is told to.
@@ -166,4 +166,4 @@ TEST(FailurePolicy, WrongPoliciesAndTracesWithoutADataFolderAreRefused) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::failure_policy_test

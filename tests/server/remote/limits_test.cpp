@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace espalier::server {
+namespace espalier::server::limits_test {
 namespace {
 
 TEST(Limits, EachHasANameOfItsOwnAndIsSetByIt) {
@@ -60,4 +60,4 @@ TEST(Limits, WhatIsNoLimitIsRefusedWithAnExampleOrTheNearestName) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::limits_test

@@ -10,7 +10,7 @@
 #include "tests/support/disk_files.h"
 #include "tests/support/places.h"
 
-namespace espalier::test {
+namespace espalier::test::model_environment_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -47,4 +47,4 @@ TEST(ModelEnvironment, SaysWhichFileIsWrong) {
 }
 
 }  // namespace
-}  // namespace espalier::test
+}  // namespace espalier::test::model_environment_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::server {
+namespace espalier::server::offered_environments_test {
 namespace {
 
 using Outcome = OfferedEnvironments::Outcome;
@@ -116,4 +116,4 @@ TEST(OfferedEnvironments, AnotherTokenDoesNotGetTheSimulationOfAnEnvironmentThat
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::offered_environments_test

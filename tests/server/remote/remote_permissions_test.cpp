@@ -4,7 +4,7 @@
 
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::remote_permissions_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -67,4 +67,4 @@ TEST(RemotePermissions, OnlyListedAddressesAreDialled) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::remote_permissions_test

@@ -10,7 +10,7 @@
 #include "server/remote/remote_environment.h"
 #include "tests/server/raw_peer.h"
 
-namespace espalier::server {
+namespace espalier::server::remote_process_test {
 namespace {
 
 constexpr std::string_view kOffered = R"([{"type":"offered","name":"mylight"}])";
@@ -356,4 +356,4 @@ TEST(RemoteProcess, ConnectingSaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::remote_process_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::server {
+namespace espalier::server::remote_settings_test {
 namespace {
 
 std::string problemOf(const std::string& json) {
@@ -46,4 +46,4 @@ TEST(RemoteSettings, WhatIsWrongIsNamed) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::remote_settings_test

@@ -8,7 +8,7 @@
 #include "engine/simulation/trace.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::trace_file_test {
 namespace {
 
 std::unique_ptr<TraceFile> make(const std::string& name) {
@@ -114,4 +114,4 @@ TEST(TraceFile, FailuresAreSentences) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::trace_file_test

@@ -11,7 +11,7 @@
 #include "server/remote/limits.h"
 #include "server/running/turn_meter.h"
 
-namespace espalier::server {
+namespace espalier::server::account_test {
 namespace {
 
 ServerLimits limitsOf(std::uint64_t server, std::uint64_t account) {
@@ -192,4 +192,4 @@ TEST(TurnMeter, CountsPartsByThemselves) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::account_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::server {
+namespace espalier::server::environment_builder_test {
 namespace {
 
 TEST(ReadableEnvironment, HasProcessesOfTheServerAsTheyWereGiven) {
@@ -22,4 +22,4 @@ TEST(ReadableEnvironment, IsAnEmptyListWithoutEnvironment) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::environment_builder_test

@@ -4,7 +4,7 @@
 
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::hosted_simulation_test {
 namespace {
 
 TEST(HostedSimulation, ThePlantIsTheSameOnAnyNumberOfThreadsAndFromItsCheckpoint) {
@@ -70,4 +70,4 @@ TEST(HostedSimulation, LoadsWhileTheEnvironmentThatDescribedItselfIsAway) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::hosted_simulation_test

@@ -10,7 +10,7 @@
 #include "server/server_core.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::simulation_runner_test {
 namespace {
 
 TEST(SimulationRunner, WhatIsAnsweredDoesNotRunAnyMore) {
@@ -147,4 +147,4 @@ TEST_F(HeldTurns, TheLimitOfATurnThatHasEndedDoesNotGiveUpTheNextOne) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::simulation_runner_test

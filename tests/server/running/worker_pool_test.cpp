@@ -6,7 +6,7 @@
 #include <latch>
 #include <memory>
 
-namespace espalier::server {
+namespace espalier::server::worker_pool_test {
 namespace {
 
 /// Longer than any test: nothing is in overtime.
@@ -152,4 +152,4 @@ TEST(WorkerPool, WaitUntilIdleGivesUpInTime) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::worker_pool_test

@@ -7,7 +7,7 @@
 
 #include "server/remote/models/gallery.h"
 
-namespace espalier::server {
+namespace espalier::server::gallery_forest_test {
 namespace {
 
 class GalleryForest : public testing::Test {
@@ -107,4 +107,4 @@ TEST(Gallery, AConfigurationOfOneProcessIsAListOfOne) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::gallery_forest_test

@@ -1,7 +1,7 @@
 // Keys of environments that have no effect are told with the answer of simulation.create.
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::idle_key_warnings_test {
 namespace {
 
 TEST(IdleKeyWarnings, ComeWithTheAnswer) {
@@ -17,4 +17,4 @@ TEST(IdleKeyWarnings, ComeWithTheAnswer) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::idle_key_warnings_test

@@ -10,7 +10,7 @@
 #include "server/remote/trace_file.h"
 #include "tests/server/raw_peer.h"
 
-namespace espalier::server {
+namespace espalier::server::session_test {
 namespace {
 
 using ::testing::Test;
@@ -407,4 +407,4 @@ TEST(Session, ACouplingIsIteratedOverTheWire) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::session_test

@@ -3,7 +3,7 @@
 #include "protocol/json_text.h"
 #include "tests/server/raw_peer.h"
 
-namespace espalier::server {
+namespace espalier::server::strict_test {
 namespace {
 
 constexpr const char* kStrict =
@@ -72,4 +72,4 @@ TEST(Running, InformationSaysThatNothingRuns) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::strict_test

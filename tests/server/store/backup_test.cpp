@@ -11,7 +11,7 @@
 #include "server/store/store.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::backup_test {
 namespace {
 
 TEST(Backup, OfARunningServerHoldsWhatItHasAnswered) {
@@ -94,4 +94,4 @@ TEST(Backup, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::backup_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace espalier::server {
+namespace espalier::server::compression_test {
 namespace {
 
 TEST(Compression, AFrameThatPromisesMoreThanItCanHoldIsDamaged) {
@@ -25,4 +25,4 @@ TEST(Compression, AFewBytesDoNotFillTheMemory) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::compression_test

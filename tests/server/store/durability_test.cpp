@@ -17,7 +17,7 @@
 #include "server/store/store.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::durability_test {
 namespace {
 
 /// A disk that keeps what it is asked to keep only when the test lets it.
@@ -189,4 +189,4 @@ TEST(Store, ItsFilesAreForItsUserAlone) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::durability_test

@@ -10,7 +10,7 @@
 #include "server/remote/disk_files.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::model_store_test {
 namespace {
 
 constexpr const char* kModel = "Lsystem: 1\nderivation length: 9\nAxiom: A\nA --> FA\nendlsystem\n";
@@ -98,4 +98,4 @@ TEST_F(Models, MessagesAboutTheGalleryDoNotSayWhereItIs) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::model_store_test

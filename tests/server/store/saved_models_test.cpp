@@ -7,7 +7,7 @@
 
 #include "tests/support/places.h"
 
-namespace espalier::server {
+namespace espalier::server::saved_models_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -159,4 +159,4 @@ TEST_F(SavedModelsTest, AServerWithoutTheFolderKeepsNone) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::saved_models_test

@@ -13,7 +13,7 @@
 #include "tests/server/server_fixture.h"
 #include "tests/support/places.h"
 
-namespace espalier::server {
+namespace espalier::server::schema_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -156,4 +156,4 @@ TEST(StoreVersion, ANewerDatabaseIsLeftAlone) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::schema_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::server {
+namespace espalier::server::simulation_record_test {
 namespace {
 
 TEST(SimulationRecord, ReadsWhatItWrote) {
@@ -42,4 +42,4 @@ TEST(SimulationRecord, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::simulation_record_test

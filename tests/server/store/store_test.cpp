@@ -12,7 +12,7 @@
 #include "server/store/schema.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::store_test {
 namespace {
 
 /// Bytes that do not compress.
@@ -262,4 +262,4 @@ TEST(Store, TheDatabaseHasABoundOfItsMemory) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::store_test

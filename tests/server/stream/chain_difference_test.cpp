@@ -10,7 +10,7 @@
 #include "engine/simulation/view_drawing.h"
 #include "tests/server/frame_viewer.h"
 
-namespace espalier::server {
+namespace espalier::server::chain_difference_test {
 namespace {
 
 std::unique_ptr<simulation::Simulation> simulationOf(const std::string& source,
@@ -277,4 +277,4 @@ TEST(ChainDifference, AFailureIsThatOfTheWhole) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::chain_difference_test

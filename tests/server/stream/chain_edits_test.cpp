@@ -12,7 +12,7 @@
 #include "tests/engine/turtle/turtle_fixture.h"
 #include "tests/server/frame_viewer.h"
 
-namespace espalier::server {
+namespace espalier::server::chain_edits_test {
 namespace {
 
 using turtle::RecordChain;
@@ -305,4 +305,4 @@ TEST_F(ChainEdits, GrowthAtOnePlaceMakesFullGroups) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::chain_edits_test

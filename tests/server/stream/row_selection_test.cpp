@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-namespace espalier::server {
+namespace espalier::server::row_selection_test {
 namespace {
 
 const std::vector<std::string> kSymbols{"A", "F", "+"};
@@ -37,4 +37,4 @@ TEST(RowSelection, LongListsDoNotMakeRowsSlow) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::row_selection_test

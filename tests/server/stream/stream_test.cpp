@@ -2,7 +2,7 @@
 
 #include "tests/server/raw_peer.h"
 
-namespace espalier::server {
+namespace espalier::server::stream_test {
 namespace {
 
 constexpr std::string_view kChain = "Lsystem: 1\nderivation length: 50\nAxiom: FA\nA --> FA\nendlsystem\n";
@@ -353,4 +353,4 @@ TEST(Stream, WrongParametersNameTheirPath) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::stream_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace espalier::server {
+namespace espalier::server::text_difference_test {
 namespace {
 
 std::string applied(std::string_view base, const std::vector<TextPiece>& pieces) {
@@ -60,4 +60,4 @@ TEST(TextDifference, ItsPiecesMakeTheTextWhateverItIs) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::text_difference_test

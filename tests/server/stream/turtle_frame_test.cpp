@@ -7,7 +7,7 @@
 #include "protocol/json_writer.h"
 #include "tests/server/frame_viewer.h"
 
-namespace espalier::server {
+namespace espalier::server::turtle_frame_test {
 namespace {
 
 const std::shared_ptr<const std::vector<std::string>> kSymbols =
@@ -136,4 +136,4 @@ TEST(TurtleFrame, NumbersThatAreNotFiniteAreRefused) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::turtle_frame_test

@@ -7,7 +7,7 @@
 #include "tests/engine/simulation/simulation_fixture.h"
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::viewers_test {
 namespace {
 
 /// Keeps the frames that a session sends.
@@ -234,4 +234,4 @@ TEST_F(ViewersTest, AfterTheEndNothingIsSentAndNoMemoryIsShared) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::viewers_test

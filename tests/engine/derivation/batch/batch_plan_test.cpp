@@ -9,7 +9,7 @@
 #include "engine/derivation/system_tables.h"
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::batch_plan_test {
 namespace {
 
 using derivation::BatchPlan;
@@ -225,4 +225,4 @@ TEST(BatchPlan, WeightsThatDependOnParametersHaveNoThresholds) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::batch_plan_test

@@ -13,7 +13,7 @@
 #include "engine/derivation/system_tables.h"
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::column_evaluator_test {
 namespace {
 
 using derivation::ColumnCode;
@@ -201,4 +201,4 @@ TEST(ColumnCompiler, NamesWhatDependsOnOtherModules) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::column_evaluator_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::fixed_blocks_test {
 namespace {
 
 using core::ModuleTypeId;
@@ -76,4 +76,4 @@ TEST(FixedBlocks, OnlyFewTypesWithoutParametersAndChoicesHaveATable) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::fixed_blocks_test

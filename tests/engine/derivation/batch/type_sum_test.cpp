@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace espalier {
+namespace espalier::type_sum_test {
 namespace {
 
 using derivation::TypeSum;
@@ -33,4 +33,4 @@ TEST(TypeSum, AddsTheSameWithAndWithoutVectorInstructionsAndModuleByModule) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::type_sum_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::evaluator_test {
 namespace {
 
 using core::Compatibility;
@@ -179,4 +179,4 @@ TEST(Evaluator, CountsStepsInQ) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::evaluator_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::failure_test {
 namespace {
 
 using core::SimulationErrorCode;
@@ -59,4 +59,4 @@ TEST(Failure, NamesNonFiniteValues) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::failure_test

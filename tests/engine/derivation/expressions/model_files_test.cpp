@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace espalier::derivation {
+namespace espalier::derivation::model_files_test {
 namespace {
 
 using language::FileMode;
@@ -156,4 +156,4 @@ TEST(ModelFiles, EveryPlantBeyondTheFirstHasItsOwnFile) {
 }
 
 }  // namespace
-}  // namespace espalier::derivation
+}  // namespace espalier::derivation::model_files_test

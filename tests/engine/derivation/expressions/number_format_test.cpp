@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace espalier {
+namespace espalier::number_format_test {
 namespace {
 
 std::string format(const std::string& text, std::initializer_list<double> numbers) {
@@ -49,4 +49,4 @@ TEST(NumberFormat, WritesTheLargestNumberInFull) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::number_format_test

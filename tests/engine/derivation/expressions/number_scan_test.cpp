@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace espalier::derivation {
+namespace espalier::derivation::number_scan_test {
 namespace {
 
 struct Scan {
@@ -67,4 +67,4 @@ TEST(NumberScan, MoreConversionsThanTargetsStop) {
 }
 
 }  // namespace
-}  // namespace espalier::derivation
+}  // namespace espalier::derivation::number_scan_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace espalier {
+namespace espalier::random_source_test {
 namespace {
 
 using core::Compatibility;
@@ -163,4 +163,4 @@ TEST(RandomSource, PrivateStreamLeavesTheMainStreamAlone) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::random_source_test

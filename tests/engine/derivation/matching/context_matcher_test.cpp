@@ -4,7 +4,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::context_matcher_test {
 namespace {
 
 using test::derive;
@@ -100,4 +100,4 @@ TEST(ContextMatcher, NewRightContextSeesTheStringBeingProducedFromTheRight) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::context_matcher_test

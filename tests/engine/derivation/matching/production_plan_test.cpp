@@ -6,7 +6,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::production_plan_test {
 namespace {
 
 using derivation::chooseByWeight;
@@ -82,4 +82,4 @@ TEST(ProductionPlan, ReferenceSumsInFloats) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::production_plan_test

@@ -9,7 +9,7 @@
 #include "engine/core/buffer.h"
 #include "engine/core/worker_team.h"
 
-namespace espalier {
+namespace espalier::output_pages_test {
 namespace {
 
 TEST(OutputPages, PreparingKeepsWhatIsWrittenAndEndsOnEveryThread) {
@@ -68,4 +68,4 @@ TEST(OutputPages, ARangeIsPreparedAndNothingBeyondIt) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::output_pages_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::parallel_general_scan_test {
 namespace {
 
 using test::DerivedModel;
@@ -144,4 +144,4 @@ TEST(ParallelGeneralScan, BlocksAndNewContextsGoModuleByModule) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::parallel_general_scan_test

@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace espalier::derivation {
+namespace espalier::derivation::shared_output_test {
 namespace {
 
 TEST(SharedOutput, HoldsWhatIsReserved) {
@@ -51,4 +51,4 @@ TEST(SharedOutput, ThreadsWriteBehindWhatIsThere) {
 }
 
 }  // namespace
-}  // namespace espalier::derivation
+}  // namespace espalier::derivation::shared_output_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::string_chunks_test {
 namespace {
 
 using derivation::ScanPlace;
@@ -51,4 +51,4 @@ TEST(StringChunks, ChunksBeginAtTheirModulesAndParametersAndLinkBrackets) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::string_chunks_test

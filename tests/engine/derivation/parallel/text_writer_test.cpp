@@ -8,7 +8,7 @@
 #include "engine/derivation/state/string_text.h"
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::text_writer_test {
 namespace {
 
 using test::DerivedModel;
@@ -117,4 +117,4 @@ TEST(TextWriter, AFailureOfTheSinkEndsAllThreads) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::text_writer_test

@@ -13,7 +13,7 @@
 #include "tests/support/derived_model.h"
 #include "tests/support/plain_derivation.h"
 
-namespace espalier {
+namespace espalier::step_scan_test {
 namespace {
 
 using test::DerivedModel;
@@ -573,4 +573,4 @@ TEST(Scan, GeneralModulesBetweenBatchesSeeAndChangeVariables) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::step_scan_test

@@ -2,7 +2,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::sub_system_scan_test {
 namespace {
 
 using core::SimulationErrorCode;
@@ -128,4 +128,4 @@ TEST(SubSystems, FailedStepsKeepTheInstances) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::sub_system_scan_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace espalier {
+namespace espalier::module_finder_test {
 namespace {
 
 using derivation::ModuleFinder;
@@ -126,4 +126,4 @@ TEST(ModuleFinder, NeighboursMustAgreeAndWhatIsMissingAgreesWithAll) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::module_finder_test

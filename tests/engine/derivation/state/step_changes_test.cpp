@@ -7,7 +7,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier::derivation {
+namespace espalier::derivation::step_changes_test {
 namespace {
 
 using Kept = std::vector<KeptModules>;
@@ -142,4 +142,4 @@ TEST(StepChanges, BeginAnewAfterAFailedStep) {
 }
 
 }  // namespace
-}  // namespace espalier::derivation
+}  // namespace espalier::derivation::step_changes_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::string_index_test {
 namespace {
 
 using derivation::StringIndex;
@@ -127,4 +127,4 @@ TEST(StringIndex, PartsLinkAsTheWholeDoes) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::string_index_test

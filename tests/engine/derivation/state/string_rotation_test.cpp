@@ -5,7 +5,7 @@
 #include <array>
 #include <optional>
 
-namespace espalier::derivation {
+namespace espalier::derivation::string_rotation_test {
 namespace {
 
 ModuleString stringOf(std::size_t modules) {
@@ -68,4 +68,4 @@ TEST(StringRotation, ClearingLeavesWhatIsRead) {
 }
 
 }  // namespace
-}  // namespace espalier::derivation
+}  // namespace espalier::derivation::string_rotation_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier {
+namespace espalier::string_text_test {
 namespace {
 
 using core::Compatibility;
@@ -67,4 +67,4 @@ TEST(StringText, MistakesInATextAreNamedWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace espalier
+}  // namespace espalier::string_text_test

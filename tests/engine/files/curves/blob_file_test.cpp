@@ -4,7 +4,7 @@
 
 #include "engine/files/curves/blob_file.h"
 
-namespace espalier::files {
+namespace espalier::files::blob_file_test {
 namespace {
 
 BlobField read(const std::string& text, core::DiagnosticList& diagnostics) {
@@ -59,4 +59,4 @@ TEST(BlobField, UnknownLinesAreLeftOutWithAWarning) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::blob_file_test

@@ -4,7 +4,7 @@
 
 #include "engine/files/curves/contour_file.h"
 
-namespace espalier::files {
+namespace espalier::files::contour_file_test {
 namespace {
 
 struct Read {
@@ -74,4 +74,4 @@ TEST(ContourFile, ReportsEachMistake) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::contour_file_test

@@ -5,7 +5,7 @@
 
 #include "engine/files/curves/function_file.h"
 
-namespace espalier::files {
+namespace espalier::files::function_file_test {
 namespace {
 
 constexpr const char* kRamp =
@@ -171,4 +171,4 @@ TEST(FunctionSet, ReportsItsHeadAndMissingItems) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::function_file_test

@@ -7,7 +7,7 @@
 #include "engine/files/curves/curve_file.h"
 #include "engine/files/view_settings.h"
 
-namespace espalier::files {
+namespace espalier::files::parametric_curve_test {
 namespace {
 
 using core::Vec3;
@@ -145,4 +145,4 @@ TEST(CurveFile, LargeCountsAskForNoMemoryBeforeTheDataIsSeen) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::parametric_curve_test

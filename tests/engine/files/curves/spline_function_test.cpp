@@ -7,7 +7,7 @@
 
 #include "engine/files/view_settings.h"
 
-namespace espalier::files {
+namespace espalier::files::spline_function_test {
 namespace {
 
 using Points = std::vector<std::array<double, 2>>;
@@ -55,4 +55,4 @@ TEST(SplineFunction, SearchEndsWhereTheCurveNeverReachesX) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::spline_function_test

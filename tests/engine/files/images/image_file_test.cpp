@@ -11,7 +11,7 @@
 
 #include "tests/support/places.h"
 
-namespace espalier::files {
+namespace espalier::files::image_file_test {
 namespace {
 
 std::string fileText(const std::string& name) {
@@ -273,4 +273,4 @@ TEST(UtahImage, DamagedFilesAreNamed) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::image_file_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace espalier::files {
+namespace espalier::files::background_scene_test {
 namespace {
 
 using core::Vec3;
@@ -110,4 +110,4 @@ TEST(BackgroundScene, CornersAreBounded) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::background_scene_test

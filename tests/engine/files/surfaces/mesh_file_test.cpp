@@ -11,7 +11,7 @@
 #include "engine/language/view/view_file.h"
 #include "tests/support/places.h"
 
-namespace espalier::files {
+namespace espalier::files::mesh_file_test {
 namespace {
 
 using core::Vec3;
@@ -205,4 +205,4 @@ TEST(MeshFile, SurfacesOfAViewFileCanBeMeshes) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::mesh_file_test

@@ -5,7 +5,7 @@
 #include "engine/core/frame.h"
 #include "engine/files/surfaces/surface_file.h"
 
-namespace espalier::files {
+namespace espalier::files::surface_file_test {
 namespace {
 
 using core::Vec3;
@@ -149,4 +149,4 @@ TEST(TriangleSurfaceFile, AnIncompleteTriangleDiscardsTheSurface) {
 }
 
 }  // namespace
-}  // namespace espalier::files
+}  // namespace espalier::files::surface_file_test

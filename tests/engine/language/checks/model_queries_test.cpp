@@ -4,7 +4,7 @@
 
 #include "tests/engine/language/compile_text.h"
 
-namespace espalier::language {
+namespace espalier::language::model_queries_test {
 namespace {
 
 Messages unanswered(const std::vector<std::string>& processes) {
@@ -62,4 +62,4 @@ TEST(ModelQueries, FilesThatWouldBeWrittenAreReportedWhereNoneAre) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::model_queries_test

@@ -4,7 +4,7 @@
 
 #include "tests/engine/language/compile_text.h"
 
-namespace espalier::language {
+namespace espalier::language::module_checks_test {
 namespace {
 
 Messages messagesOf(const std::string& productions, const std::string& axiom = "A", const std::string& before = {}) {
@@ -64,4 +64,4 @@ TEST(ModuleChecks, ASuccessorThatGoesOnInColumnOne) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::module_checks_test

@@ -4,7 +4,7 @@
 
 #include "tests/engine/language/compile_text.h"
 
-namespace espalier::language {
+namespace espalier::language::needed_files_test {
 namespace {
 
 // errors of a model with a view file beside it, and how many warnings there are
@@ -112,4 +112,4 @@ TEST(NeededFiles, TheReferencesModesDrawNothingInstead) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::needed_files_test

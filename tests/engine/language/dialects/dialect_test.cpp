@@ -6,7 +6,7 @@
 
 #include "tests/engine/language/dialects/dialect_text.h"
 
-namespace espalier::language {
+namespace espalier::language::dialect_test {
 namespace {
 
 const char* const kTwo = "First { angle 4\naxiom f\n}\nSecond { angle 6\naxiom ff\n}\n";
@@ -191,4 +191,4 @@ TEST(Dialect, BracketsWithoutPartnerAreErrorsInEveryDialect) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::dialect_test

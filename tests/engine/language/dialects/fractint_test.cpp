@@ -4,7 +4,7 @@
 
 #include "tests/engine/language/dialects/dialect_text.h"
 
-namespace espalier::language {
+namespace espalier::language::fractint_test {
 namespace {
 
 std::string entry(const std::string& lines) {
@@ -156,4 +156,4 @@ TEST(Fractint, FAndGTurnApartFromDAndM) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::fractint_test

@@ -4,7 +4,7 @@
 
 #include "tests/engine/language/dialects/dialect_text.h"
 
-namespace espalier::language {
+namespace espalier::language::lparser_test {
 namespace {
 
 const char* const kOld = "# a fern\n# of two lines\n5\n25.5 # angle\n12\nF[+(90)A]%\nA=F<c(3)A\n@\nignored = all\n";
@@ -82,4 +82,4 @@ TEST(Lparser, ErrorsNameItsLinesAndTerms) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::lparser_test

@@ -4,7 +4,7 @@
 
 #include "tests/engine/language/dialects/dialect_text.h"
 
-namespace espalier::language {
+namespace espalier::language::lpy_test {
 namespace {
 
 // the cpfg text between `Lsystem: 1` and `endlsystem`
@@ -142,4 +142,4 @@ TEST(Lpy, MessagesOfTheCompilerNameTheLpyLine) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::lpy_test

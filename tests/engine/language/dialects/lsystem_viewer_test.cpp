@@ -4,7 +4,7 @@
 
 #include "tests/engine/language/dialects/dialect_text.h"
 
-namespace espalier::language {
+namespace espalier::language::lsystem_viewer_test {
 namespace {
 
 TEST(LsystemViewer, BecomesCpfgTextWithTheStepOfEachGeneration) {
@@ -84,4 +84,4 @@ TEST(LsystemViewer, ErrorsNameItsLinesAndTerms) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::lsystem_viewer_test

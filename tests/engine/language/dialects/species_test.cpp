@@ -4,7 +4,7 @@
 
 #include "tests/engine/language/dialects/dialect_text.h"
 
-namespace espalier::language {
+namespace espalier::language::species_test {
 namespace {
 
 std::string species(const std::string& lines) {
@@ -88,4 +88,4 @@ TEST(Species, ErrorsNameItsLinesAndTerms) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::species_test

@@ -4,7 +4,7 @@
 
 #include "tests/engine/language/dialects/dialect_text.h"
 
-namespace espalier::language {
+namespace espalier::language::textbook_test {
 namespace {
 
 bool contains(const std::string& text, const std::string& part) {
@@ -317,4 +317,4 @@ TEST(Textbook, FormsThatWereReadSilentlyAsSomethingElse) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::textbook_test

@@ -6,7 +6,7 @@
 
 #include "tests/engine/language/dialects/dialect_text.h"
 
-namespace espalier::language {
+namespace espalier::language::turtle_painter_test {
 namespace {
 
 std::string painter(const std::string& lines) {
@@ -73,4 +73,4 @@ TEST(TurtlePainter, ErrorsNameItsLinesAndTerms) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::turtle_painter_test

@@ -16,7 +16,7 @@
 #include "tests/support/disk_files.h"
 #include "tests/support/places.h"
 
-namespace espalier::language {
+namespace espalier::language::formatter_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -222,4 +222,4 @@ TEST(Formatter, AModelWithErrorsIsReturnedAsItIs) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::formatter_test

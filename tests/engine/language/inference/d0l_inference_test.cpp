@@ -10,7 +10,7 @@
 #include "engine/language/inference/inferred_model.h"
 #include "engine/language/inference/length_equations.h"
 
-namespace espalier::language {
+namespace espalier::language::d0l_inference_test {
 namespace {
 
 // the options that tests differ in
@@ -260,4 +260,4 @@ TEST(D0lInference, RecoversRandomBracketedSystemsOrShowsThemToBeAmbiguous) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::d0l_inference_test

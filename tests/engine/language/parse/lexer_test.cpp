@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::language {
+namespace espalier::language::lexer_test {
 namespace {
 
 // the tokens of a text in symbol mode, separated by blanks
@@ -147,4 +147,4 @@ TEST(Lexer, InsideABlockNewlinesAreBlanks) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::lexer_test

@@ -5,7 +5,7 @@
 #include "engine/language/format/disassembler.h"
 #include "tests/engine/language/compile_text.h"
 
-namespace espalier::language {
+namespace espalier::language::parser_test {
 namespace {
 
 const Program& compiled(const CompileResult& result) {
@@ -487,4 +487,4 @@ TEST(Parser, WarningsOfASectionStandOnItsLine) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::parser_test

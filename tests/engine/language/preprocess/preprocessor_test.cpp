@@ -6,7 +6,7 @@
 #include "engine/language/outline/name_uses.h"
 #include "tests/engine/language/compile_text.h"
 
-namespace espalier::language {
+namespace espalier::language::preprocessor_test {
 namespace {
 
 PreprocessResult run(const std::string& text, PreprocessInput input = {},
@@ -441,4 +441,4 @@ TEST(Preprocessor, MacrosAndTextTogetherEndAtALimit) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::preprocessor_test

@@ -10,7 +10,7 @@
 
 #include "engine/language/view/view_file.h"
 
-namespace espalier::language {
+namespace espalier::language::view_file_test {
 namespace {
 
 using core::Compatibility;
@@ -453,4 +453,4 @@ TEST(ViewFile, AllFilesTogetherHaveABudget) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::view_file_test

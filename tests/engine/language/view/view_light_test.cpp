@@ -5,7 +5,7 @@
 
 #include "engine/language/view/view_file.h"
 
-namespace espalier::language {
+namespace espalier::language::view_light_test {
 namespace {
 
 using core::Vec3;
@@ -65,4 +65,4 @@ TEST(ViewLight, ModesDirectionAndCapsAreRead) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::view_light_test

@@ -5,7 +5,7 @@
 #include "engine/core/streams.h"
 #include "engine/language/view/view_file.h"
 
-namespace espalier::language {
+namespace espalier::language::view_start_test {
 namespace {
 
 ViewFileResult read(const std::string& text) {
@@ -50,4 +50,4 @@ TEST(ViewStart, AnEntryOutOfRangeIsIgnoredWithAWarning) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::view_start_test

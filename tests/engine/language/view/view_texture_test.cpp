@@ -6,7 +6,7 @@
 #include "engine/language/view/view_file.h"
 #include "tests/engine/language/compile_text.h"
 
-namespace espalier::language {
+namespace espalier::language::view_texture_test {
 namespace {
 
 // one point, blue 3, green 2, red 1
@@ -77,4 +77,4 @@ TEST(ViewTexture, ThereAreAtMostTwenty) {
 }
 
 }  // namespace
-}  // namespace espalier::language
+}  // namespace espalier::language::view_texture_test

@@ -6,7 +6,7 @@
 #include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::production_log_test {
 namespace {
 
 constexpr const char* kApexModel =
@@ -141,4 +141,4 @@ TEST(ProductionLog, TakesBoundedMemory) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::production_log_test

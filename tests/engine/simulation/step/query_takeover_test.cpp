@@ -7,7 +7,7 @@
 #include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::query_takeover_test {
 namespace {
 
 /// Needs everything of a query, and answers some, by their places.
@@ -133,4 +133,4 @@ TEST(QueryTakeover, EachStepAsksWhatARestoredSimulationAsks) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::query_takeover_test

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace espalier::simulation {
+namespace espalier::simulation::seed_bed_test {
 namespace {
 
 constexpr core::Vec3 kUp{0, 1, 0};
@@ -90,4 +90,4 @@ TEST(SeedBed, TheAreaDoesNotCountAlongTheWorldsUp) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::seed_bed_test

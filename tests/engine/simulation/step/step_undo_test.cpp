@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace espalier::simulation {
+namespace espalier::simulation::step_undo_test {
 namespace {
 
 TEST(StepUndo, ParametersGoBackInReverseOrder) {
@@ -49,4 +49,4 @@ TEST(StepUndo, VariablesGoBack) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::step_undo_test

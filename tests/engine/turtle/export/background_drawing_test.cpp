@@ -6,7 +6,7 @@
 #include "engine/turtle/export/picture/picture.h"
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::background_drawing_test {
 namespace {
 
 files::BackgroundScene sceneOf(std::string_view text) {
@@ -98,4 +98,4 @@ TEST(BackgroundDrawing, FormatsForLookingHoldIt) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::background_drawing_test

@@ -12,7 +12,7 @@
 #include "engine/turtle/export/picture/svg.h"
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::exporters_test {
 namespace {
 
 constexpr const char* kExportedPlant =
@@ -359,4 +359,4 @@ TEST(Palette, AFoldersColoursReplaceTheRamp) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::exporters_test

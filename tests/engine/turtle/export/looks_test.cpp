@@ -12,7 +12,7 @@
 #include "engine/turtle/export/picture/picture.h"
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::looks_test {
 namespace {
 
 Scene drawn(const std::string& string, const files::ViewSettings& view = {}) {
@@ -216,4 +216,4 @@ TEST(MeshMaterials, AnObjNamesTheHolesOfItsPictures) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::looks_test

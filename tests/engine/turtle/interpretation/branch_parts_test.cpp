@@ -2,7 +2,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::branch_parts_test {
 namespace {
 
 std::vector<BranchPart> partsOf(const std::string& text, std::uint64_t smallest, std::uint64_t largest) {
@@ -36,4 +36,4 @@ TEST(BranchParts, LoneBracketsMakeNone) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::branch_parts_test

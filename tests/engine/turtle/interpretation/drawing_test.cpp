@@ -2,7 +2,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::drawing_test {
 namespace {
 
 TEST(Drawing, SegmentsKnowTheirParentsModulesAndOrders) {
@@ -212,4 +212,4 @@ TEST(Scene, ClearsEverything) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::drawing_test

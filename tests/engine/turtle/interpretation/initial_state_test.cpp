@@ -4,7 +4,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::initial_state_test {
 namespace {
 
 using core::Vec3;
@@ -62,4 +62,4 @@ TEST(Displacement, MovesEachDrawnStepButNoMove) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::initial_state_test

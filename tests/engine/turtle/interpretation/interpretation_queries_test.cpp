@@ -1,7 +1,7 @@
 #include "engine/turtle/interpretation/interpretation.h"
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::interpretation_queries_test {
 namespace {
 
 TEST(InterpretationQueries, FillOnlyAsManyParametersAsThereAre) {
@@ -170,4 +170,4 @@ TEST(ReplyBatch, DropsAndCountsSurplusValues) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::interpretation_queries_test

@@ -2,7 +2,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::interpretation_tables_test {
 namespace {
 
 InterpretationTables tablesOf(const std::string& text) {
@@ -38,4 +38,4 @@ TEST(InterpretationTables, CutsAreKnown) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::interpretation_tables_test

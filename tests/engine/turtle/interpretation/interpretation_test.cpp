@@ -4,7 +4,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::interpretation_test {
 namespace {
 
 files::ViewSettings withAngle(double degrees) {
@@ -329,4 +329,4 @@ TEST(Interpretation, WholeNumberTruncatesAndRejectsWhatNoIntHolds) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::interpretation_test

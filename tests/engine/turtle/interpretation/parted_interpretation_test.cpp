@@ -4,7 +4,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::parted_interpretation_test {
 namespace {
 
 // a tree of 2^(depth + 1) - 1 nodes with queries in front of, in and behind branches; `leaf` is at the tips
@@ -102,7 +102,8 @@ TEST(PartedInterpretation, TakesALongStringWithBranchesAndNoOther) {
 TEST(PartedInterpretation, GivesWhatOneThreadGives) {
   expectSame(tree(kDepth, kLeaf));
   // cuts: one of them ends the walk before all branches to the right of it
-  const std::string cut = "F[" + tree(kDepth, kLeaf) + "F[?E(1)%" + tree(3, kLeaf) + "]%" + tree(kDepth - 1, kLeaf) + "]?E(2)";
+  const std::string cut =
+      "F[" + tree(kDepth, kLeaf) + "F[?E(1)%" + tree(3, kLeaf) + "]%" + tree(kDepth - 1, kLeaf) + "]?E(2)";
   expectSame(cut);
   files::ViewSettings view;
   view.interpretsPastCut = false;
@@ -132,4 +133,4 @@ TEST(PartedInterpretation, FailsAsOneThreadDoes) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::parted_interpretation_test

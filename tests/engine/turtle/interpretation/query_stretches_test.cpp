@@ -5,7 +5,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::query_stretches_test {
 namespace {
 
 // everything that the passage of a turtle depends on, queries of both kinds, cuts, a bracket too many
@@ -232,4 +232,4 @@ TEST(QueryStretches, AreForgottenWhenAPassFails) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::query_stretches_test

@@ -5,7 +5,7 @@
 #include "engine/turtle/turtle_motion.h"
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::tropism_test {
 namespace {
 
 files::Movement tropism(core::Vec3 direction, double elasticity, double angle = 0.0) {
@@ -114,4 +114,4 @@ TEST(Tropism, RecordedTransportOfTheFrame) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::tropism_test

@@ -7,7 +7,7 @@
 
 #include "engine/turtle/interpretation/symbol_list.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::turtle_command_test {
 namespace {
 
 TEST(TurtleCommand, DeclaredNamesHaveNone) {
@@ -68,4 +68,4 @@ TEST(TurtleCommand, SixLettersTakeASecondSymbol) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::turtle_command_test

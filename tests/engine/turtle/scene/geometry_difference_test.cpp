@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace espalier::turtle {
+namespace espalier::turtle::geometry_difference_test {
 namespace {
 
 void addSource(GeometrySources& sources, std::uint32_t plant, std::uint64_t module) {
@@ -184,4 +184,4 @@ TEST(GeometryDifference, ADifferenceOfAnotherGeometryIsRefused) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::geometry_difference_test

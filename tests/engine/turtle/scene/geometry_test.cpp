@@ -2,7 +2,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::geometry_test {
 namespace {
 
 using core::Vec3;
@@ -92,4 +92,4 @@ TEST(Geometry, ScenesAreAppended) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::geometry_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::turtle {
+namespace espalier::turtle::scene_bounds_test {
 namespace {
 
 using core::Vec3;
@@ -42,4 +42,4 @@ TEST(SceneBounds, HoldEveryKindOfThing) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::scene_bounds_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace espalier::environment {
+namespace espalier::environment::leaf_light_test {
 namespace {
 
 using std::numbers::pi;
@@ -327,4 +327,4 @@ TEST(LeafLight, OfTrianglesThatLieInEachOtherTheFirstIsMet) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::leaf_light_test

@@ -10,7 +10,7 @@
 #include "environment/light/sun_position.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::light_test {
 namespace {
 
 /// Geometry of leaves, each a triangle with half of the area of a square of a given side, drawn by the modules 1, 3, 5
@@ -357,4 +357,4 @@ TEST(Light, WhatCannotBeIsAnError) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::light_test

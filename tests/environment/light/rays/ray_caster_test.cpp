@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace espalier::environment {
+namespace espalier::environment::ray_caster_test {
 namespace {
 
 using core::Vec3;
@@ -128,4 +128,4 @@ TEST(RayCaster, OfTheTrianglesAtAVertexTheFirstIsMet) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::ray_caster_test

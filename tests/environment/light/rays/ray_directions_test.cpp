@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace espalier::environment {
+namespace espalier::environment::ray_directions_test {
 namespace {
 
 TEST(RayDirections, EveryLatticeIsSpreadEvenlyOverTheSphere) {
@@ -46,4 +46,4 @@ TEST(RayDirections, NeighbouringSeedsLookElsewhere) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::ray_directions_test

@@ -5,7 +5,7 @@
 #include "environment/light/sky.h"
 #include "tests/environment/light/stand.h"
 
-namespace espalier::environment {
+namespace espalier::environment::stand_light_test {
 namespace {
 
 std::string keys(double reflectance, double transmittance, double ground, double side, const std::string& more) {
@@ -297,4 +297,4 @@ TEST(StandLight, BandsFollowFromSpectra) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::stand_light_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace espalier::environment {
+namespace espalier::environment::surface_changes_test {
 namespace {
 
 using Numbers = std::vector<std::uint32_t>;
@@ -58,4 +58,4 @@ TEST(SurfaceChanges, AnotherSeedOrThinningOrTurnIsAnotherTriangle) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::surface_changes_test

@@ -7,7 +7,7 @@
 
 #include "environment/light/sky.h"
 
-namespace espalier::environment {
+namespace espalier::environment::leaf_angles_test {
 namespace {
 
 using std::numbers::pi;
@@ -44,4 +44,4 @@ TEST(LeafAngles, TheEllipsoidWithEqualAxesIsSpherical) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::leaf_angles_test

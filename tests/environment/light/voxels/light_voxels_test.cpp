@@ -7,7 +7,7 @@
 #include "engine/turtle/field.h"
 #include "tests/environment/query_builder.h"
 
-namespace espalier::environment {
+namespace espalier::environment::light_voxels_test {
 namespace {
 
 /// A stand of one square metre ground that repeats itself: layers of leaves of `area` in all, evenly in the height 0
@@ -251,4 +251,4 @@ TEST(LightVoxels, AStepThatFollowsAnotherAnswersLikeANewProcessBitByBit) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::light_voxels_test

@@ -7,7 +7,7 @@
 #include "environment/base/number_text.h"
 #include "tests/environment/light/stand.h"
 
-namespace espalier::environment {
+namespace espalier::environment::scattered_light_test {
 namespace {
 
 /// A box of 4 x 4 x `layers` voxels of side 1 full of leaves, with a leaf area index.
@@ -212,4 +212,4 @@ TEST(VoxelLayers, AStandThatIsTurnedByARightAngleKeepsItsFluxes) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::scattered_light_test

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace espalier::environment {
+namespace espalier::environment::turbid_memory_test {
 namespace {
 
 using core::Vec3;
@@ -143,4 +143,4 @@ TEST(TurbidMemory, WhenMuchChangedNothingIsKnown) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::turbid_memory_test

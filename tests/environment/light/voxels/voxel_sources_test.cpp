@@ -13,7 +13,7 @@
 #include "environment/light/sun_position.h"
 #include "tests/environment/light/stand.h"
 
-namespace espalier::environment {
+namespace espalier::environment::voxel_sources_test {
 namespace {
 
 /// A box of one voxel of side 1 full of leaves, with a leaf area index, that repeats itself.
@@ -384,4 +384,4 @@ TEST(VoxelSources, WhatCannotBeIsAnError) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::voxel_sources_test

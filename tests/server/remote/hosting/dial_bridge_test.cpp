@@ -2,7 +2,7 @@
 
 #include "tests/server/server_fixture.h"
 
-namespace espalier::server {
+namespace espalier::server::dial_bridge_test {
 namespace {
 
 TEST(DialBridge, IsForWhatIsNotPlainTcp) {
@@ -52,4 +52,4 @@ TEST(DialBridge, SaysWhyItCannot) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::dial_bridge_test

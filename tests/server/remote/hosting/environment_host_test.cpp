@@ -12,7 +12,7 @@
 #include "tests/server/raw_peer.h"
 #include "tests/support/places.h"
 
-namespace espalier::server {
+namespace espalier::server::environment_host_test {
 namespace {
 
 using turtle::EnvironmentProcess;
@@ -301,4 +301,4 @@ TEST(EnvironmentDialogue, SaveAndRestoreCarryTheStateOfASimulation) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::environment_host_test

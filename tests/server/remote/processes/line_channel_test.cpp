@@ -8,7 +8,7 @@
 #include <memory>
 #include <thread>
 
-namespace espalier::server {
+namespace espalier::server::line_channel_test {
 namespace {
 
 using Status = LineChannel::Status;
@@ -109,4 +109,4 @@ TEST(ChildProcess, AStartedCommandTalksAndIsReapedWithItsFate) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::line_channel_test

@@ -5,7 +5,7 @@
 #include "environment/plugin_process.h"
 #include "tests/support/places.h"
 
-namespace espalier::server {
+namespace espalier::server::plugin_library_test {
 namespace {
 
 using Process = std::unique_ptr<turtle::EnvironmentProcess>;
@@ -141,4 +141,4 @@ TEST(PluginProcess, RefusesTablesThatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::plugin_library_test

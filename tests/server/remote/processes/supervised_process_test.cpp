@@ -13,7 +13,7 @@
 #include "server/remote/processes/plugin_library.h"
 #include "tests/support/places.h"
 
-namespace espalier::server {
+namespace espalier::server::supervised_process_test {
 namespace {
 
 using Process = std::unique_ptr<turtle::EnvironmentProcess>;
@@ -172,4 +172,4 @@ TEST(SupervisedProcess, ABuiltInProcessAnswersTheSameWhenItIsWatched) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::supervised_process_test

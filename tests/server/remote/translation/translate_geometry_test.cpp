@@ -5,7 +5,7 @@
 #include "protocol/codec.h"
 #include "protocol/framing.h"
 
-namespace espalier::server {
+namespace espalier::server::translate_geometry_test {
 namespace {
 
 const std::vector<std::string> kSymbols{"F", "L"};
@@ -104,4 +104,4 @@ TEST(TranslateGeometry, ASymbolWithoutANameIsAQuestionMark) {
 }
 
 }  // namespace
-}  // namespace espalier::server
+}  // namespace espalier::server::translate_geometry_test

@@ -8,7 +8,7 @@
 #include "tests/engine/turtle/turtle_fixture.h"
 #include "tests/support/mesh_measures.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::glb_test {
 namespace {
 
 using core::Vec3;
@@ -354,4 +354,4 @@ TEST(Glb, ProgressEndsWithAllParts) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::glb_test

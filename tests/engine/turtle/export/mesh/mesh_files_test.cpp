@@ -15,7 +15,7 @@
 #include "tests/engine/turtle/turtle_fixture.h"
 #include "tests/support/mesh_measures.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::mesh_files_test {
 namespace {
 
 using core::Vec3;
@@ -312,4 +312,4 @@ TEST(MeshFilesBadInput, AnEmptySceneIsAFileWithoutTriangles) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::mesh_files_test

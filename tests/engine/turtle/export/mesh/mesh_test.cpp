@@ -5,7 +5,7 @@
 #include "engine/turtle/export/mesh/tubes.h"
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::mesh_test {
 namespace {
 
 TEST(Tubes, ChainsFollowTheAxisAndBranchesBeginTheirOwn) {
@@ -143,4 +143,4 @@ TEST(Mesh, PatchesOfASurfaceThatMeetShareTheirNormals) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::mesh_test

@@ -11,7 +11,7 @@
 #include "tests/engine/turtle/turtle_fixture.h"
 #include "tests/support/mesh_measures.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::placed_meshes_test {
 namespace {
 
 using core::Vec3;
@@ -201,4 +201,4 @@ TEST_F(PlacedMeshesOfScenes, AProblemNamesStepModuleAndSymbol) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::placed_meshes_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/mesh_measures.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::polygon_mesh_test {
 namespace {
 
 using core::Vec3;
@@ -49,4 +49,4 @@ TEST(PolygonMesh, FewerThanThreeCornersAreNothing) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::polygon_mesh_test

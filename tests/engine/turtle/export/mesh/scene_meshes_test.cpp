@@ -6,7 +6,7 @@
 #include "tests/engine/turtle/turtle_fixture.h"
 #include "tests/support/mesh_measures.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::scene_meshes_test {
 namespace {
 
 using core::Vec3;
@@ -340,4 +340,4 @@ TEST(Mesh, AMirroredPlacementKeepsItsSidesOutward) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::scene_meshes_test

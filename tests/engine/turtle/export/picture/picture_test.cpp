@@ -6,7 +6,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::picture_test {
 namespace {
 
 Scene sceneOf(std::string_view text, const files::ViewSettings& view) {
@@ -261,4 +261,4 @@ TEST(Picture, AnEmptySceneIsAnEmptyPage) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::picture_test

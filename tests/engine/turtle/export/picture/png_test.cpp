@@ -7,7 +7,7 @@
 
 #include "engine/turtle/export/picture/colour_table.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::png_test {
 namespace {
 
 // a picture with many colours, opaque or with holes
@@ -89,4 +89,4 @@ TEST(Png, DamageAndOtherFilesAreNamed) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::png_test

@@ -5,7 +5,7 @@
 
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::postscript_test {
 namespace {
 
 std::string postScriptOf(std::string_view text, const files::ViewSettings& view = {},
@@ -112,4 +112,4 @@ TEST(PostScript, LongLinesAreStrokedInPieces) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::postscript_test

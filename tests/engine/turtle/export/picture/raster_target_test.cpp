@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace espalier::turtle {
+namespace espalier::turtle::raster_target_test {
 namespace {
 
 constexpr Colour kWhite{255, 255, 255};
@@ -134,4 +134,4 @@ TEST(RasterTarget, APartOfThePageDrawsThatPart) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::raster_target_test

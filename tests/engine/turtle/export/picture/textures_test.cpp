@@ -13,7 +13,7 @@
 #include "tests/engine/turtle/textured_view.h"
 #include "tests/engine/turtle/turtle_fixture.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::textures_test {
 namespace {
 
 using nlohmann::json;
@@ -295,4 +295,4 @@ TEST(Textures, InAPerspectiveTheyAreNotBent) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::textures_test

@@ -8,7 +8,7 @@
 #include "tests/engine/turtle/turtle_fixture.h"
 #include "tests/support/places.h"
 
-namespace espalier::turtle {
+namespace espalier::turtle::mtg_test {
 namespace {
 
 // what a writer of modules makes of a string
@@ -318,4 +318,4 @@ TEST(ModuleTable, WhatWasCutOffHasNoState) {
 }
 
 }  // namespace
-}  // namespace espalier::turtle
+}  // namespace espalier::turtle::mtg_test
