@@ -9,7 +9,7 @@
 
 #include "server/network/downloads.h"
 #include "server/network/http_pages.h"
-#include "server/network/tcp_or_tls_stream.h"
+#include "server/remote/tcp_or_tls_stream.h"
 
 namespace espalier::server {
 namespace {

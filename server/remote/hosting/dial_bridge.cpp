@@ -5,7 +5,6 @@
 #include <boost/asio/ssl.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
-#include <boost/beast/websocket/ssl.hpp>
 #include <charconv>
 #include <cstring>
 #include <functional>
@@ -16,6 +15,7 @@
 #include "protocol/framing.h"
 #include "protocol/json_text.h"
 #include "server/remote/processes/line_channel.h"
+#include "server/remote/tcp_or_tls_stream.h"
 
 namespace espalier::server {
 namespace {
@@ -27,6 +27,7 @@ using asio::ip::tcp;
 using boost::system::error_code;
 constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
 constexpr std::size_t kPieceBytes = 65'536;
+using WebSocket = websocket::stream<TcpOrTlsStream, false>;
 constexpr std::string_view kPath = "/espalier/1";
 
 /// Bytes as they are.
@@ -56,8 +57,7 @@ std::size_t blockBytesOf(const std::string& line) {
 }
 
 /// Lines with their blocks, as frames.
-template <typename Stream>
-asio::awaitable<void> sendFrames(tcp::socket& near, websocket::stream<Stream, false>& far) {
+asio::awaitable<void> sendFrames(tcp::socket& near, WebSocket& far) {
   std::string received;
   while (true) {
     // one line
@@ -104,8 +104,7 @@ std::string lineOf(std::string_view frame, bool isBinary) {
   return std::string(frame.substr(sizeof(length), end - sizeof(length))) + "\n" + std::string(frame.substr(blocks));
 }
 
-template <typename Stream>
-asio::awaitable<void> receiveFrames(tcp::socket& near, websocket::stream<Stream, false>& far) {
+asio::awaitable<void> receiveFrames(tcp::socket& near, WebSocket& far) {
   beast::flat_buffer buffer;
   while (true) {
     const auto [error, count] = co_await far.async_read(buffer, kAsTuple);
@@ -196,15 +195,14 @@ class DialBridge::Implementation {
     if (unknown) {
       co_return unknown.message();
     }
-    tcp::socket socket(context_);
-    const auto [error, endpoint] = co_await asio::async_connect(socket, found, kAsTuple);
+    beast::tcp_stream plain(context_);
+    const auto [error, endpoint] = co_await asio::async_connect(plain.socket(), found, kAsTuple);
     if (error) {
       co_return error.message();
     }
-    socket.set_option(tcp::no_delay(true));
+    plain.socket().set_option(tcp::no_delay(true));
     if (kind == "ws") {
-      co_return co_await upgrade(std::make_shared<websocket::stream<tcp::socket, false>>(std::move(socket)), place,
-                                 path);
+      co_return co_await upgrade(TcpOrTlsStream(std::move(plain)), place, path);
     }
 
     tls_.set_default_verify_paths();
@@ -216,11 +214,11 @@ class DialBridge::Implementation {
       remedy_ = "Give a file of certificates in the form PEM.";
       co_return "the certificates in " + options_.trustedFile + " cannot be read (" + unreadable.message() + ")";
     }
-    asio::ssl::stream<tcp::socket> encrypted(std::move(socket), tls_);
-    encrypted.set_verify_mode(asio::ssl::verify_peer);
-    encrypted.set_verify_callback(asio::ssl::host_name_verification(host));
-    SSL_set_tlsext_host_name(encrypted.native_handle(), host.c_str());
-    const auto [untrusted] = co_await encrypted.async_handshake(asio::ssl::stream_base::client, kAsTuple);
+    TcpOrTlsStream encrypted(TcpOrTlsStream::Tls(std::move(plain), tls_));
+    encrypted.tls().set_verify_mode(asio::ssl::verify_peer);
+    encrypted.tls().set_verify_callback(asio::ssl::host_name_verification(host));
+    SSL_set_tlsext_host_name(encrypted.tls().native_handle(), host.c_str());
+    const auto [untrusted] = co_await encrypted.tls().async_handshake(asio::ssl::stream_base::client, kAsTuple);
     if (untrusted) {
       const bool isCertificate = untrusted.message().find("certificate") != std::string::npos;
       remedy_ = isCertificate ? "Trust the certificate of the server with --trust FILE.pem, and use a name that it has."
@@ -228,18 +226,15 @@ class DialBridge::Implementation {
       co_return untrusted.message();
     }
     if (kind == "wss") {
-      co_return co_await upgrade(
-          std::make_shared<websocket::stream<asio::ssl::stream<tcp::socket>, false>>(std::move(encrypted)), place,
-          path);
+      co_return co_await upgrade(std::move(encrypted), place, path);
     }
-    auto far = std::make_shared<asio::ssl::stream<tcp::socket>>(std::move(encrypted));
+    auto far = std::make_shared<TcpOrTlsStream>(std::move(encrypted));
     pump_ = [this, far](bool isTowardsFar) { return isTowardsFar ? passOn(near_, *far) : passOn(*far, near_); };
     co_return std::nullopt;
   }
 
-  template <typename Stream>
-  asio::awaitable<Problem> upgrade(std::shared_ptr<websocket::stream<Stream, false>> far, std::string host,
-                                   std::string path) {
+  asio::awaitable<Problem> upgrade(TcpOrTlsStream stream, std::string host, std::string path) {
+    const auto far = std::make_shared<WebSocket>(std::move(stream));
     far->read_message_max(0);
     const auto [refused] = co_await far->async_handshake(host, path, kAsTuple);
     if (refused) {
