@@ -10,6 +10,7 @@ import multiprocessing
 import os
 import re
 import sys
+import time
 import typing
 import unittest
 
@@ -21,6 +22,7 @@ class Outcome(typing.NamedTuple):
     broken: int
     skipped: list[str]
     report: str  # of the failures
+    seconds: float = 0.0
 
 
 def all_tests(suite: unittest.TestSuite):
@@ -43,12 +45,13 @@ def run(tests: list[unittest.TestCase]) -> Outcome:
 
 def in_own_process(tests: list[unittest.TestCase]) -> Outcome:
     """What run() says, also when the process that runs it dies; what a test leaves behind does not reach the next class."""
+    began = time.monotonic()
     receiving, sending = PROCESSES.Pipe(duplex=False)
     child = PROCESSES.Process(target=lambda: sending.send(run(tests)))
     child.start()
     sending.close()
     try:
-        return receiving.recv()
+        return receiving.recv()._replace(seconds=time.monotonic() - began)
     except EOFError:
         child.join()
         names = ", ".join(test.id() for test in tests)
@@ -60,7 +63,7 @@ def in_own_process(tests: list[unittest.TestCase]) -> Outcome:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folders", nargs="+")
-    parser.add_argument("--figures", required=True, help="file that receives the two numbers")
+    parser.add_argument("--figures", required=True, help="file that receives the two numbers, then the time of each class")
     parser.add_argument("--pattern", default="", help="regular expression that a test's name must match")
     parser.add_argument("--jobs", type=int, default=1, help="test classes that run at a time")
     options = parser.parse_args()
@@ -76,8 +79,10 @@ def main() -> int:
     # the longest first, as far as the number of tests tells
     work = sorted(classes.values(), key=len, reverse=True)
     passed = broken = 0
+    times = []
     with concurrent.futures.ThreadPoolExecutor(max_workers=options.jobs) as pool:
-        for outcome in pool.map(in_own_process, work):
+        for tests, outcome in zip(work, pool.map(in_own_process, work)):
+            times.append((outcome.seconds, tests[0].id().rpartition(".")[0]))
             passed += outcome.passed
             broken += outcome.broken
             for line in outcome.skipped:
@@ -87,6 +92,7 @@ def main() -> int:
             sys.stdout.flush()
     with open(options.figures, "w", encoding="utf-8") as figures:
         figures.write(f"{passed} {broken}\n")
+        figures.writelines(f"{seconds:8.1f} s  {name}\n" for seconds, name in sorted(times, reverse=True))
     return 1 if broken else 0
 
 
