@@ -7,6 +7,7 @@
 #include "clients/bmi/settings.h"
 #include "clients/bmi/stepped_model.h"
 #include "engine/core/number_text.h"
+#include "engine/turtle/world.h"
 
 namespace espalier::bmi {
 namespace {
@@ -146,7 +147,7 @@ void EspalierBmi::UpdateUntil(double time) {
     throw BmiError("the time " + numberText(time) + " is before " + numberText(current) +
                    ": a model does not go back. Initialize it again.");
   }
-  while (static_cast<double>(now.step + 1) * now.settings.stepDurationDays <= until) {
+  while (turtle::beginOfStep(now.settings.stepDurationDays, now.step + 1) <= until) {
     Update();
   }
 }
@@ -205,7 +206,7 @@ std::string EspalierBmi::GetVarLocation(std::string name) {
 
 double EspalierBmi::GetCurrentTime() {
   const Running& now = running();
-  return static_cast<double>(now.step) * now.settings.stepDurationDays;
+  return turtle::beginOfStep(now.settings.stepDurationDays, now.step);
 }
 
 double EspalierBmi::GetStartTime() {
@@ -214,7 +215,7 @@ double EspalierBmi::GetStartTime() {
 
 double EspalierBmi::GetEndTime() {
   const Running& now = running();
-  return static_cast<double>(now.model.lastStep()) * now.settings.stepDurationDays;
+  return turtle::beginOfStep(now.settings.stepDurationDays, now.model.lastStep());
 }
 
 std::string EspalierBmi::GetTimeUnits() {

@@ -88,6 +88,7 @@ SteppedModel::SteppedModel(const Settings& settings) {
     return makeEnvironmentOf(settings, folderFile, compatibility);
   };
   options_.seed = settings.seed;
+  options_.world.stepDurationDays = settings.stepDurationDays;
   options_.hasSeed = true;
   options_.derivationLength = settings.derivationLength;
   options_.threads = server::processorCount();

@@ -63,7 +63,7 @@ struct EnvironmentContext {
 struct QueryBatch {
   std::uint64_t step = 0;                 // completed steps when the queries were made
   std::uint32_t iteration = 0;            // 0 unless the coupling is iterated
-  double timeDays = 0.0;                  // step * World::stepDurationDays
+  double timeDays = 0.0;                  // beginOfStep() of the step
   std::vector<std::uint32_t> plant;       // (n)
   std::vector<std::uint64_t> module;      // index of E(x) in its plant's string (n)
   std::vector<core::SymbolId> symbol;     // of the communication module: E, or a declared name (n)

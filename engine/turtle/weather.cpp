@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -14,7 +15,10 @@ namespace espalier::turtle {
 namespace {
 
 using Rows = std::vector<std::vector<std::string_view>>;
-constexpr double kSlack = 1e-9;  // days: dates and multiples of the step differ by rounding
+constexpr double kSecondsPerDay = 86400.0;
+constexpr double kSlack = 1e-4;       // seconds: times that others computed differ by rounding
+constexpr double kTableSlack = 0.05;  // seconds: days with 6 decimals
+constexpr double kMostScale = 1e6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string_view trimmed(std::string_view text) {
@@ -103,12 +107,33 @@ tl::expected<double, std::string> readNumber(std::string_view cell, std::string_
   return *number;
 }
 
+/// Seconds of a time in days: the nearest whole number when that is as near as the slack.
+double secondsOf(double days, double slack) {
+  const double seconds = days * kSecondsPerDay;
+  const double whole = std::round(seconds);
+  return std::abs(seconds - whole) <= slack ? whole : seconds;
+}
+
+/// A number as a multiple of 1/scale; with scale 0 the number.
+double partsOf(double number, double scale) {
+  return scale > 0.0 ? std::round(number * scale) : number;
+}
+
+/// The smallest power of 10, at least `scale`, of which a number is the nearest double to a whole multiple of 1/scale.
+/// 0: none up to kMostScale, or `scale` is 0.
+double scaleFor(double number, double scale) {
+  while (scale > 0.0 && partsOf(number, scale) / scale != number) {
+    scale = scale < kMostScale ? 10.0 * scale : 0.0;
+  }
+  return scale;
+}
+
 /// Why the last values of the sky's radiation and of that of sun and sky together cannot both be, or nothing. Two
 /// instruments may differ by 10 % and 20 W/m².
-std::optional<std::string> problemOfRadiation(
-    const std::array<std::vector<double>, kWeatherQuantities.size()>& values) {
-  const auto lastOf = [&values](std::string_view name) {
-    const std::vector<double>& column = values[*quantityOf(name)];
+template <typename Column>
+std::optional<std::string> problemOfRadiation(const std::array<Column, kWeatherQuantities.size()>& columns) {
+  const auto lastOf = [&columns](std::string_view name) {
+    const std::vector<double>& column = columns[*quantityOf(name)].values;
     return column.empty() ? std::nullopt : std::optional(column.back());
   };
   const std::optional<double> global = lastOf("global");
@@ -182,17 +207,17 @@ std::optional<std::string> Weather::readTable(const Rows& rows, const std::vecto
     }
     columns.push_back(*quantity);
   }
-  const std::optional<double> startDay = start.empty() ? std::nullopt : julianDayOf(start);
+  const std::optional<std::int64_t> startSeconds = start.empty() ? std::nullopt : secondsOfDate(start);
   for (std::size_t row = 1; row < rows.size(); ++row) {
     const std::string_view cell = rows[row].front();
     double time = 0.0;
     if (const auto number = core::parseNumber(cell)) {
-      time = *number;
-    } else if (const auto day = julianDayOf(cell)) {
-      if (!startDay) {
+      time = secondsOf(*number, kTableSlack);
+    } else if (const auto seconds = secondsOfDate(cell)) {
+      if (!startSeconds) {
         return at(lines[row]) + "a date needs the 'start' of the world; set it, or give times in days";
       }
-      time = *day - *startDay;
+      time = static_cast<double>(*seconds - *startSeconds);
     } else {
       return at(lines[row]) + "expected a date or a number of days, found '" + std::string(cell) + "'";
     }
@@ -214,9 +239,11 @@ std::optional<std::string> Weather::readTable(const Rows& rows, const std::vecto
         return at(lines[row]) + "'" + std::string(quantity.name) + "' is " + textOf(*value) + " and must be at most " +
                textOf(quantity.most) + "; the unit is " + std::string(quantity.unit);
       }
-      values_[columns[column]].push_back(*value);
+      Column& to = columns_[columns[column]];
+      to.values.push_back(*value);
+      to.scale = scaleFor(*value, to.scale);
     }
-    if (auto problem = problemOfRadiation(values_)) {
+    if (auto problem = problemOfRadiation(columns_)) {
       return at(lines[row]) + *problem;
     }
   }
@@ -267,68 +294,94 @@ std::optional<std::string> Weather::readFormula(const Rows& rows, const std::vec
 
 bool Weather::has(std::string_view name) const {
   const auto quantity = quantityOf(name);
-  return quantity && (isFormula_ ? !waves_[*quantity].empty() : !values_[*quantity].empty());
+  return quantity && (isFormula_ ? !waves_[*quantity].empty() : !columns_[*quantity].values.empty());
 }
 
-double Weather::begin() const {
+double Weather::beginSeconds() const {
   return isFormula_ ? -kInfinity : times_.front();
 }
 
-double Weather::end() const {
+double Weather::endSeconds() const {
   return isFormula_ || times_.size() < 2 ? kInfinity : 2.0 * times_.back() - times_[times_.size() - 2];
 }
 
+double Weather::begin() const {
+  return beginSeconds() / kSecondsPerDay;
+}
+
+double Weather::end() const {
+  return endSeconds() / kSecondsPerDay;
+}
+
+std::size_t Weather::intervalAt(double seconds) const {
+  const auto next = std::upper_bound(times_.begin(), times_.end(), seconds + kSlack);
+  return next == times_.begin() ? std::size_t{0} : static_cast<std::size_t>(next - times_.begin()) - 1;
+}
+
+double Weather::meanOfWaves(std::size_t quantity, double from, double to) const {
+  double sum = 0.0;
+  for (const Wave& wave : waves_[quantity]) {
+    const double turns = 2.0 * std::numbers::pi / wave.period;
+    const double half = 0.5 * turns * (to - from);
+    const double flattened = half == 0.0 ? 1.0 : core::sin(half) / half;
+    sum += wave.mean + wave.amplitude * flattened * core::cos(turns * (0.5 * (from + to) - wave.peak));
+  }
+  return sum;
+}
+
 std::optional<double> Weather::mean(std::string_view name, double from, double to) const {
-  if (!has(name) || from < begin() - kSlack || to > end() + kSlack) {
+  const double begin = secondsOf(from, kSlack);
+  const double end = secondsOf(to, kSlack);
+  if (!has(name) || begin < beginSeconds() - kSlack || end > endSeconds() + kSlack) {
     return std::nullopt;
   }
   const std::size_t quantity = *quantityOf(name);
   if (isFormula_) {
-    double sum = 0.0;
-    for (const Wave& wave : waves_[quantity]) {
-      const double turns = 2.0 * std::numbers::pi / wave.period;
-      const double half = 0.5 * turns * (to - from);
-      const double flattened = half == 0.0 ? 1.0 : core::sin(half) / half;
-      sum += wave.mean + wave.amplitude * flattened * core::cos(turns * (0.5 * (from + to) - wave.peak));
-    }
-    return sum;
+    return meanOfWaves(quantity, from, to);
   }
-  const std::vector<double>& values = values_[quantity];
-  const auto intervalOf = [&](double time) {
-    const auto next = std::upper_bound(times_.begin(), times_.end(), time + kSlack);
-    return next == times_.begin() ? std::size_t{0} : static_cast<std::size_t>(next - times_.begin()) - 1;
-  };
-  std::size_t interval = intervalOf(from);
+  const auto& [values, scale] = columns_[quantity];
+  std::size_t interval = intervalAt(begin);
+  const double first = values[interval];
+  // what is more or less than with the first value all the time
   double sum = 0.0;
-  double weight = 0.0;
-  for (double time = from; interval < times_.size() && time < to - kSlack; ++interval) {
-    const double until = interval + 1 < times_.size() ? std::min(times_[interval + 1], to) : to;
-    sum += values[interval] * (until - time);
-    weight += until - time;
+  for (double time = begin; interval < times_.size() && time < end; ++interval) {
+    const double until = interval + 1 < times_.size() ? std::min(times_[interval + 1], end) : end;
+    sum += (partsOf(values[interval], scale) - partsOf(first, scale)) * (until - time);
     time = until;
   }
-  return weight > 0.0 ? sum / weight : values[intervalOf(from)];
+  if (sum == 0.0) {
+    return first;
+  }
+  return scale > 0.0 ? (partsOf(first, scale) * (end - begin) + sum) / (scale * (end - begin))
+                     : first + sum / (end - begin);
 }
 
-std::optional<double> Weather::thermalTime(double until, double base) const {
-  if (!has("temperature") || until > end() + kSlack || begin() > kSlack) {
+std::optional<double> Weather::thermalTime(double untilDays, double base) const {
+  const double until = secondsOf(untilDays, kSlack);
+  if (!has("temperature") || until > endSeconds() + kSlack || beginSeconds() > kSlack) {
     return std::nullopt;
   }
-  constexpr double kHour = 1.0 / 24.0;
+  const std::size_t quantity = *quantityOf("temperature");
   double sum = 0.0;
   double time = 0.0;
-  auto next = std::upper_bound(times_.begin(), times_.end(), kSlack);
-  for (std::uint64_t hour = 1; time < until - kSlack; ++hour) {
-    double later = until;
-    if (isFormula_) {
-      later = std::min(until, static_cast<double>(hour) * kHour);
-    } else if (next != times_.end()) {
-      later = std::min(until, *next++);
+  if (isFormula_) {
+    constexpr double kSecondsPerHour = 3600.0;
+    for (std::uint64_t hour = 1; time < until; ++hour) {
+      const double later = std::min(until, static_cast<double>(hour) * kSecondsPerHour);
+      const double mean = meanOfWaves(quantity, time / kSecondsPerDay, later / kSecondsPerDay);
+      sum += std::max(mean - base, 0.0) * (later - time);
+      time = later;
     }
-    sum += std::max(*mean("temperature", time, later) - base, 0.0) * (later - time);
+    return sum / kSecondsPerDay;
+  }
+  const std::vector<double>& values = columns_[quantity].values;
+  const double scale = scaleFor(base, columns_[quantity].scale);
+  for (std::size_t interval = intervalAt(0.0); interval < times_.size() && time < until; ++interval) {
+    const double later = interval + 1 < times_.size() ? std::min(times_[interval + 1], until) : until;
+    sum += std::max(partsOf(values[interval], scale) - partsOf(base, scale), 0.0) * (later - time);
     time = later;
   }
-  return sum;
+  return sum / (std::max(scale, 1.0) * kSecondsPerDay);
 }
 
 std::string missingWeather(const World& world, std::string_view quantity, double from, double to) {

@@ -9,6 +9,10 @@ namespace espalier::turtle {
 
 namespace {
 
+constexpr int kSecondsPerDay = 86400;
+constexpr double kMostStepDays = 1e6;              // 2738 years: what is longer has no seasons, no sun and no weather
+constexpr double kMostWhole = 9007199254740992.0;  // 2^53: up to here all whole numbers are doubles
+
 /// A whole number of a fixed number of digits at the front of a text, which is removed.
 std::optional<int> takeNumber(std::string_view& text, std::size_t digits) {
   int value = 0;
@@ -31,41 +35,41 @@ bool takeCharacter(std::string_view& text, char character) {
   return true;
 }
 
-/// Meeus, Astronomical Algorithms (1998), chapter 7.
-double julianDay(int year, int month, double day) {
+/// The Julian day at noon of a date, a whole number. Meeus, Astronomical Algorithms (1998), chapter 7.
+std::int64_t julianNoon(int year, int month, int day) {
   if (month <= 2) {
     year -= 1;
     month += 12;
   }
-  const double century = std::floor(year / 100.0);
-  return std::floor(365.25 * (year + 4716)) + std::floor(30.6001 * (month + 1)) + day + 2.0 - century +
-         std::floor(century / 4.0) - 1524.5;
+  const int century = year / 100;
+  return static_cast<std::int64_t>(std::floor(365.25 * (year + 4716))) +
+         static_cast<std::int64_t>(std::floor(30.6001 * (month + 1))) + day + 2 - century + century / 4 - 1524;
 }
 
-/// The hours of "12:30:15" at the front of a text, which is removed.
-std::optional<double> takeTime(std::string_view& text) {
+/// The seconds of "12:30:15" at the front of a text, which is removed.
+std::optional<int> takeTime(std::string_view& text) {
   const auto hour = takeNumber(text, 2);
   const auto minute = hour && takeCharacter(text, ':') ? takeNumber(text, 2) : std::nullopt;
   if (!minute || *hour > 24 || *minute > 59) {
     return std::nullopt;
   }
-  double hours = *hour + *minute / 60.0;
+  int seconds = 3600 * *hour + 60 * *minute;
   if (takeCharacter(text, ':')) {
     const auto second = takeNumber(text, 2);
     if (!second || *second > 60) {
       return std::nullopt;
     }
-    hours += *second / 3600.0;
+    seconds += *second;
   }
-  return hours;
+  return *hour < 24 || seconds == kSecondsPerDay ? std::optional(seconds) : std::nullopt;
 }
 
-/// The hours by which "Z", "+02:00" or nothing is ahead of universal time.
-std::optional<double> takeOffset(std::string_view& text) {
+/// The seconds by which "Z", "+02:00" or nothing is ahead of universal time.
+std::optional<int> takeOffset(std::string_view& text) {
   if (text.empty() || takeCharacter(text, 'Z')) {
-    return 0.0;
+    return 0;
   }
-  const double sign = text.front() == '-' ? -1.0 : 1.0;
+  const int sign = text.front() == '-' ? -1 : 1;
   if (!takeCharacter(text, '+') && !takeCharacter(text, '-')) {
     return std::nullopt;
   }
@@ -74,12 +78,39 @@ std::optional<double> takeOffset(std::string_view& text) {
   if (!minute || *hour > 15 || *minute > 59) {
     return std::nullopt;
   }
-  return sign * (*hour + *minute / 60.0);
+  return sign * (3600 * *hour + 60 * *minute);
+}
+
+/// Whole numbers of which one by the other is a duration in days.
+struct Fraction {
+  double above, below;
+};
+
+/// The fraction with the smallest whole numbers to which a number is the nearest double: a convergent of its continued
+/// fraction, as the numbers are small (Legendre).
+std::optional<Fraction> fractionOf(double number) {
+  constexpr double kMostBelow = 1e7;
+  Fraction before{1.0, 0.0};
+  Fraction now{std::floor(number), 1.0};
+  for (double rest = number - now.above; now.above <= kMostWhole && now.below <= kMostBelow;) {
+    if (now.above / now.below == number) {
+      return now;
+    }
+    if (!(rest > 0.0)) {
+      break;
+    }
+    const double whole = std::floor(1.0 / rest);
+    rest = 1.0 / rest - whole;
+    const Fraction next{whole * now.above + before.above, whole * now.below + before.below};
+    before = now;
+    now = next;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<double> julianDayOf(std::string_view text) {
+std::optional<std::int64_t> secondsOfDate(std::string_view text) {
   const auto year = takeNumber(text, 4);
   const auto month = year && takeCharacter(text, '-') ? takeNumber(text, 2) : std::nullopt;
   const auto day = month && takeCharacter(text, '-') ? takeNumber(text, 2) : std::nullopt;
@@ -87,22 +118,44 @@ std::optional<double> julianDayOf(std::string_view text) {
     return std::nullopt;
   }
   const bool isLast = *month == 12;
-  if (!(julianDay(*year, *month, *day) < julianDay(isLast ? *year + 1 : *year, isLast ? 1 : *month + 1, 1))) {
+  const std::int64_t noon = julianNoon(*year, *month, *day);
+  if (noon >= julianNoon(isLast ? *year + 1 : *year, isLast ? 1 : *month + 1, 1)) {
     return std::nullopt;  // no day of that month
   }
-  double hours = 0.0;
+  std::int64_t seconds = noon * kSecondsPerDay;
   if (takeCharacter(text, 'T') || takeCharacter(text, ' ')) {
     const auto time = takeTime(text);
     const auto offset = time ? takeOffset(text) : std::nullopt;
     if (!offset) {
       return std::nullopt;
     }
-    hours = *time - *offset;
+    seconds += *time - *offset;
   }
-  if (!text.empty()) {
-    return std::nullopt;
+  return text.empty() ? std::optional(seconds) : std::nullopt;
+}
+
+std::optional<double> julianDayOf(std::string_view text) {
+  const auto seconds = secondsOfDate(text);
+  return seconds ? std::optional(static_cast<double>(*seconds) / kSecondsPerDay - 0.5) : std::nullopt;
+}
+
+double beginOfStep(double stepDurationDays, std::uint64_t step) {
+  const auto count = static_cast<double>(step);
+  const auto fraction = fractionOf(stepDurationDays);
+  // a product of whole numbers is exact as far as doubles count, and then the quotient is the nearest double
+  return fraction && count * fraction->above <= kMostWhole ? count * fraction->above / fraction->below
+                                                           : count * stepDurationDays;
+}
+
+double endOfStep(double beginDays, double stepDurationDays) {
+  constexpr double kSlack = 1e-6;  // steps
+  const double number = std::round(beginDays / stepDurationDays);
+  if (number >= 0.0 && number < kMostWhole &&
+      std::abs(beginDays - beginOfStep(stepDurationDays, static_cast<std::uint64_t>(number))) <=
+          kSlack * stepDurationDays) {
+    return beginOfStep(stepDurationDays, static_cast<std::uint64_t>(number) + 1);
   }
-  return julianDay(*year, *month, *day + hours / 24.0);
+  return beginDays + stepDurationDays;
 }
 
 bool World::operator==(const World& other) const {
@@ -123,8 +176,11 @@ std::optional<std::string> problemOfWorld(const World& world) {
   if (!isFinite(world.north) || !(core::length(core::cross(core::normalised(world.up), world.north)) > 0.0)) {
     return "'north' is along 'up' or has no direction; give a horizontal vector such as [0, 0, -1]";
   }
-  if (!(world.stepDurationDays > 0.0) || !std::isfinite(world.stepDurationDays)) {
+  if (!(world.stepDurationDays > 0.0)) {
     return "'stepDuration' must be greater than 0; give a number of days, or a text such as \"1 h\"";
+  }
+  if (!(world.stepDurationDays <= kMostStepDays)) {
+    return "'stepDuration' must be at most 1000000 days; give a number of days, or a text such as \"1 h\"";
   }
   if (world.latitudeDegrees && !(std::abs(*world.latitudeDegrees) <= 90.0)) {
     return "'latitude' must lie between -90 and 90 degrees, north positive";

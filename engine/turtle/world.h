@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,6 +32,19 @@ struct World {
 /// an offset from it such as "+02:00". Nothing when the text is no such date. Proleptic Gregorian calendar, years 1 to
 /// 9999.
 [[nodiscard]] std::optional<double> julianDayOf(std::string_view text);
+
+/// The same moment in whole seconds, exact: the Julian day times 86400, and 43200.
+[[nodiscard]] std::optional<std::int64_t> secondsOfDate(std::string_view text);
+
+/// When a step begins, days after the start. A duration stands for the simplest fraction p/q to which it is the nearest
+/// double, such as 1/24, 1/7 or 3/10, with q up to 10 million. The time is the double nearest to
+/// step · p/q: steps that divide the day end exactly where days end. A duration that is no such fraction is multiplied
+/// by the step.
+[[nodiscard]] double beginOfStep(double stepDurationDays, std::uint64_t step);
+
+/// When the step ends that begins at a time: beginOfStep() of the next one when a step begins then within rounding,
+/// else the sum.
+[[nodiscard]] double endOfStep(double beginDays, double stepDurationDays);
 
 /// Why a world cannot be: a sentence that names the member and the remedy. Nothing: it can.
 [[nodiscard]] std::optional<std::string> problemOfWorld(const World& world);

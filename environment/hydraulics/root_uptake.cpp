@@ -6,6 +6,7 @@
 
 #include "engine/core/elementary.h"
 #include "engine/core/work_meter.h"
+#include "engine/turtle/world.h"
 #include "environment/base/number_text.h"
 #include "environment/hydraulics/rhizosphere.h"
 
@@ -154,7 +155,7 @@ void RootUptakeFromSoil::addChange(const std::vector<double>& headChanges, std::
 
 std::optional<std::string> RootUptakeFromSoil::passTime(double days, const Limits& limits,
                                                         const CollarsBetween& collars, WaterSums& sums) {
-  const double end = soil_->day() + days;
+  const double end = turtle::endOfStep(soil_->day(), days);
   collars_ = collars;
   while (end - soil_->day() > 1e-12 * std::max(1.0, end)) {
     core::pollWork();

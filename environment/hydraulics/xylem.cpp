@@ -41,9 +41,14 @@ constexpr std::size_t kMostNodes = std::size_t{1} << 25;
 double clockOf(const turtle::World& world) {
   const std::size_t time = world.start.find_first_of("T ");
   const std::string local = world.start.substr(0, world.start.find_first_of("Z+-", std::min(time, world.start.size())));
-  const auto day = turtle::julianDayOf(world.longitudeDegrees ? world.start : local);
-  const double midnights = day.value_or(0.5) + 0.5 + (day ? world.longitudeDegrees.value_or(0.0) / 360.0 : 0.0);
-  return midnights - std::floor(midnights);
+  const auto seconds = turtle::secondsOfDate(world.longitudeDegrees ? world.start : local);
+  if (!seconds) {
+    return 0.0;
+  }
+  constexpr std::int64_t kSecondsPerDay = 86400;
+  const double days = static_cast<double>(*seconds % kSecondsPerDay) / static_cast<double>(kSecondsPerDay) +
+                      world.longitudeDegrees.value_or(0.0) / 360.0;
+  return days - std::floor(days);
 }
 
 /// What queries say about the segment before them.

@@ -8,6 +8,7 @@
 
 #include "engine/core/elementary.h"
 #include "engine/turtle/weather.h"
+#include "environment/base/number_text.h"
 #include "environment/light/sun_position.h"
 
 namespace espalier::environment {
@@ -21,7 +22,7 @@ namespace {
 constexpr double kLowestSine = 0.05;
 /// Of a longer span so many days stand for all.
 constexpr std::int64_t kMostDays = 400;
-constexpr double kLongestSpan = 1e15;  // days; a longer one is looked at as far as that
+constexpr double kLastDay = 5373484.5;  // Julian day of the end of the year 9999, as dates of the world
 
 }  // namespace
 
@@ -98,6 +99,11 @@ tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays) cons
     }
     return incoming;
   }
+  if (!(startDay_ + timeDays + stepDays_ <= kLastDay)) {
+    return tl::unexpected("knows the position of the sun up to the year 9999, and the step that begins on day " +
+                          numberText(timeDays) +
+                          " ends later. Make fewer steps, or shorter ones (the world's 'stepDuration').");
+  }
   const double whole = std::floor(stepDays_);
   if (stepDays_ <= 1.0) {
     if (auto problem = addHours({timeDays, stepDays_, 1, 1.0}, incoming)) {
@@ -107,7 +113,7 @@ tl::expected<Daylight::Incoming, std::string> Daylight::at(double timeDays) cons
   }
   // the hours of all whole days, then what is left of a day
   std::optional<std::string> problem =
-      addHours({timeDays, 1.0, static_cast<std::int64_t>(std::min(whole, kLongestSpan)), whole / stepDays_}, incoming);
+      addHours({timeDays, 1.0, static_cast<std::int64_t>(whole), whole / stepDays_}, incoming);
   if (!problem && stepDays_ - whole > 1e-9) {
     problem = addHours({timeDays + whole, stepDays_ - whole, 1, 1.0 - whole / stepDays_}, incoming);
   }

@@ -175,7 +175,7 @@ std::optional<turtle::EnvironmentError> SoilBody::passTime(double days) {
   if (auto problem = problemOfWeather("soil-water", days)) {
     return problem;
   }
-  const double end = day_ + days;
+  const double end = turtle::endOfStep(day_, days);
   while (end - day_ > 1e-12 * std::max(1.0, end)) {
     core::pollWork();
     if (!(advance(end - day_) > 0.0)) {

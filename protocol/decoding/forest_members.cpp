@@ -51,6 +51,9 @@ void requireKnown(const Member& object, std::span<const std::string_view> known)
       }
       object[name].fail("this key is not known; there are " + list);
     }
+    if (value.is_null()) {
+      object[name].fail("null is no value; leave the key out for its default");
+    }
   }
 }
 

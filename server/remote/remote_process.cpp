@@ -248,7 +248,7 @@ std::optional<turtle::EnvironmentError> RemoteProcess::tick(std::uint64_t step) 
   turtle::QueryBatch none;
   none.clear();
   none.step = step;
-  none.timeDays = context_ ? static_cast<double>(step) * context_->world.stepDurationDays : 0.0;
+  none.timeDays = context_ ? turtle::beginOfStep(context_->world.stepDurationDays, step) : 0.0;
   none.parameterOffset.assign(1, 0);
   none.followingOffset.assign(1, 0);
   turtle::ReplyBatch replies;

@@ -275,11 +275,12 @@ class Model(unittest.TestCase):
         self.assertEqual(self.values(model)[1], 7.0)
 
     def test_the_time_that_was_reached_can_be_asked_for_again(self) -> None:
-        # 3 * 0.1 is a little more than 0.3
+        # 3 * 0.1 is a little more than 0.3, and the step ends at 0.3
         model = self.model(stepDurationDays=0.1)
         model.update_until(0.3)
         model.update_until(0.3)
         self.assertEqual(self.values(model)[1], 7.0)
+        self.assertEqual(model.get_current_time(), 0.3)
 
     PLANT = "Lsystem: 1\nderivation length: 3\nAxiom: [@M(0,0,0)?E(4)][@M(0,1.4,0)?E(0)][@M(5,9,0)?E(0)]\nendlsystem\n"
 

@@ -22,13 +22,14 @@ MODEL = """#define GROW 0.5
 #define UNUSED 1
 Lsystem: 1
 derivation length: 8
-Axiom: A(1)?E(1)
+Axiom: [&(90)f(0)]A(1)?E(1)
+f(t) --> f(world.time)
 A(l) > ?E(x) : x > 0.3 --> F(l*GROW)[+(30)A(l*0.9)?E(1)][-(30)/(90)A(l*0.8)?E(1)]A(l)
 ?E(x) --> ?E(1)
 endlsystem
 """
 SETTINGS = {"model": "m.l", "seed": 3, "stepDurationDays": 0.5, "inputs": ["GROW"], "parameters": {"GROW": 0.5}, "environment": "shadow",
-            "outputs": ["modules", "height", "count:F", "sum:F:1"]}
+            "outputs": ["modules", "height", "count:F", "sum:F:1", "sum:f:1"]}
 # every function of the interface, in one piece and in halves; what each says about mistakes
 DRIVER = r"""
 #include <cmath>
@@ -221,6 +222,8 @@ class BmiInCpp(Installed):
         found = [" ".join(float.fromhex(word).hex() for word in each.split()) for each in self.driven("steps", configuration)]
         self.assertEqual(found, expected)
         self.assertGreater(float.fromhex(found[-1].split()[2]), 1.0)
+        # the model lives in the time of the interface: the eighth step begins after three and a half days
+        self.assertEqual(float.fromhex(found[-1].split()[5]), 3.5)
         # and those of the run in the program itself
         string = self.derived("m.l", "--environment", "shadow", "--seed", "3", "--steps", "2")
         self.assertEqual(float.fromhex(found[2].split()[3]), string.count("F("))
@@ -231,10 +234,10 @@ class BmiInCpp(Installed):
 
     def test_every_function_answers_or_says_why_not(self) -> None:
         said = self.driven("facts", self.configured())
-        self.assertEqual(said[:4], ["Espalier 1 4 GROW height", "0 double m 8 8 node", "0 4 d 0.5", "0 1 scalar 1 0 0"])
+        self.assertEqual(said[:4], ["Espalier 1 5 GROW height", "0 double m 8 8 node", "0 4 d 0.5", "0 1 scalar 1 0 0"])
         self.assertEqual(said[4:14], ["refused: a scalar has no points, edges or faces."] * 10)
         self.assertEqual(said[14:], [f"refused: {text}" for text in (
-            "there is no grid 1: all variables are on grid 0.", "there is no variable 'depth'. Variables: GROW, modules, height, count:F, sum:F:1.",
+            "there is no grid 1: all variables are on grid 0.", "there is no variable 'depth'. Variables: GROW, modules, height, count:F, sum:F:1, sum:f:1.",
             "'height' is no input. Inputs: GROW.", "the input 'GROW' cannot be nan: set it to a finite number.", "'GROW' has the index 0 only.",
             "the time nan is not finite: give a number of days from 0 on.", "the time 1 is before 4: a model does not go back. Initialize it again.",
             "the model ends after 8 steps: initialize it with a larger 'derivationLength'.",
@@ -253,7 +256,7 @@ class BmiInCpp(Installed):
         (self.work / "stranger" / "m.json").write_text('{"type":"plugin","library":"./x.so"}', encoding="utf-8")
         wrong: List[Any] = [({"model": "none.l"}, "there is no file or folder '.*none.l': 'model' names one beside"),
                             ({"model": "empty"}, "no L-system file"), ({"model": 7}, "'model' is the name of a file or folder"),
-                            ({"model": "broken.l"}, "broken.l:6:"), ({"stepDurationDays": 0}, "'stepDurationDays' is a number above 0, not 0"),
+                            ({"model": "broken.l"}, "broken.l:7:"), ({"stepDurationDays": 0}, "'stepDurationDays' is a number above 0, not 0"),
                             ({"inputs": "GROW"}, "'inputs' is a list of names"), ({"outputs": ["width"]}, "no output 'width'"),
                             ({"parameters": {}}, "the input 'GROW' needs a value at the start"), ({"seed": -1}, "'seed' is a whole number"),
                             ({"environment": "shadw"}, "Did you mean 'shadow'"), ({"environment": "none.json"}, "no environment file"),

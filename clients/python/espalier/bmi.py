@@ -15,6 +15,7 @@ from __future__ import annotations
 import json
 import math
 import weakref
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar
 
@@ -65,8 +66,7 @@ def _configuration(path: Path) -> Dict[str, Any]:
     read.setdefault("outputs", ["modules", "height"])
     parameters = read.setdefault("parameters", {})
     for name in read.setdefault("inputs", []):
-        value = parameters.get(name)
-        if not isinstance(value, (int, float)) or not math.isfinite(value):
+        if not isinstance(value := parameters.get(name), (int, float)) or not math.isfinite(value):
             raise BmiError(f"{path}: the input '{name}' needs a value at the start, in 'parameters': a number.")
     return read
 
@@ -93,19 +93,19 @@ class EspalierBmi:
         self._simulation: Optional[Simulation] = None
         self._inputs: Dict[str, Array] = {}
         self._outputs: Dict[str, Array] = {}
-        self._step = self._last = 0
-        self._days = 1.0
+        self._step, self._last, self._days = 0, 0, Fraction(1)
 
     # ---- control -----------------------------------------------------------------------------------------------
 
     def initialize(self, config_file: str) -> None:
         """Starts the simulation of a configuration file on a new server. The model before it is finalized."""
         import numpy
-
         self.finalize()
         path = Path(config_file)
         settings = _configuration(path)
-        self._days = float(settings.get("stepDurationDays", 1.0))
+        given = Fraction(settings.get("stepDurationDays", 1))
+        simple = given.limit_denominator(10_000_000)  # 0.1 stands for 1/10, so that ten steps are a day
+        self._days = simple if float(simple) == float(given) else given
         self._inputs = {name: numpy.array([float(settings["parameters"][name])]) for name in settings["inputs"]}
         self._outputs = {name: numpy.zeros(1) for name in settings["outputs"]}
         try:
@@ -123,7 +123,8 @@ class EspalierBmi:
         loaded = None if sent is None else str(server.call("model.load", {"model": sent})["model"])
         self._simulation = server.create(gallery=settings.get("gallery"), loaded=loaded, environment=settings.get("environment"),
                                          seed=settings.get("seed", 1), derivation_length=settings.get("derivationLength"),
-                                         parameters=settings["parameters"] or None, save=False)
+                                         parameters=settings["parameters"] or None, save=False,
+                                         world={"stepDuration": float(self._days)} if "stepDurationDays" in settings else None)
         self._last = int(self._simulation.created["derivationLength"])
         self._read()
 
@@ -159,7 +160,7 @@ class EspalierBmi:
         until = time + abs(time) * 1e-12
         if until < now:
             raise BmiError(f"the time {time} is before {now}: a model does not go back. Initialize it again.")
-        while (self._step + 1) * self._days <= until:
+        while float((self._step + 1) * self._days) <= until:
             self.update()
 
     def finalize(self) -> None:
@@ -230,19 +231,19 @@ class EspalierBmi:
     get_var_location = _of_variable(lambda name, value: "node")
 
     def get_current_time(self) -> float:
-        return self._known(self._step * self._days)
+        return self._known(float(self._step * self._days))
 
     def get_start_time(self) -> float:
         return 0.0
 
     def get_end_time(self) -> float:
-        return self._known(self._last * self._days)
+        return self._known(float(self._last * self._days))
 
     def get_time_units(self) -> str:
         return "d"
 
     def get_time_step(self) -> float:
-        return self._known(self._days)
+        return self._known(float(self._days))
 
     # ---- values ------------------------------------------------------------------------------------------------
 
@@ -346,7 +347,6 @@ def environment_of(model: Callable[[], Any], config_file: str, output: str, dema
     """
     if not set(axes) <= {"x", "y", "z"}:
         raise BmiError(f"the axes {list(axes)} are not of x, y and z.")
-
     first = model()
     first.initialize(config_file)
     try:

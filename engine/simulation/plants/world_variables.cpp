@@ -22,7 +22,7 @@ std::optional<double> valueOf(const std::string& name, const turtle::World& worl
 }
 
 double beginOf(const turtle::World& world, std::uint64_t step) {
-  return static_cast<double>(step) * world.stepDurationDays;
+  return turtle::beginOfStep(world.stepDurationDays, step);
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ void AnswerPass::exchange() {
 void AnswerPass::exchangeOnce(std::uint32_t iteration) {
   turtle::ReplyBatch& replies = parts_.transaction.answer().replies;
   queries_.step = completedSteps_;
-  queries_.timeDays = static_cast<double>(completedSteps_) * parts_.options.world.stepDurationDays;
+  queries_.timeDays = turtle::beginOfStep(parts_.options.world.stepDurationDays, completedSteps_);
   queries_.iteration = iteration;
   replies.prepare(queries_);
   if (parts_.environment.description().needs.geometry) {

@@ -34,6 +34,36 @@ TEST(WorldVariables, AreTheWeatherOfTheStep) {
   EXPECT_EQ(strings, (std::vector<std::string>{"A(12,0,0)", "A(12,1,0.5)", "A(30,2,1)", "A(30,12,1.5)"}));
 }
 
+TEST(WorldVariables, ThermalTimeReachesAThresholdInItsStep) {
+  // 24 °C above the base: a degree day an hour, so the bud of threshold n opens in the step that begins after n hours
+  constexpr int kSteps = 40;
+  std::string table = "time,temperature\n";
+  for (int hour = 0; hour <= kSteps; ++hour) {
+    const int ofDay = (5 + hour) % 24;
+    table += "2026-06-" + std::to_string(20 + (5 + hour) / 24) + "T" + (ofDay < 10 ? "0" : "") + std::to_string(ofDay) +
+             ":00Z,34.0\n";
+  }
+  SimulationOptions options;
+  options.world.stepDurationDays = 1.0 / 24;
+  options.world.baseTemperature = 10;
+  options.world.start = "2026-06-20T05:00Z";
+  options.world.weather = std::make_shared<const turtle::Weather>(*turtle::Weather::read(table, options.world.start));
+  TestRun run(compileText(R"(Lsystem: 1
+derivation length: 40
+Axiom: A(1)
+A(n) : world.thermalTime >= n --> B(n,world.thermalTime)A(n+1)
+endlsystem
+)"),
+              1, options, false);
+  expectSuccess(run.simulation.rewind());
+  std::string buds;
+  for (int step = 0; step < kSteps; ++step) {
+    expectSuccess(run.simulation.step());
+    buds += step == 0 ? "" : "B(" + std::to_string(step) + "," + std::to_string(step) + ")";
+    EXPECT_EQ(run.simulation.stringText(), buds + "A(" + std::to_string(step + 1) + ")");
+  }
+}
+
 TEST(WorldVariables, GoOnFromASnapshotAndAfterARewind) {
   const auto program = compileText(kReading);
   TestRun run(program, 1, inWeather("time,temperature\n0,12\n1,30\n2,2\n"), false);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <cstdio>
 #include <numbers>
 
 #include "engine/core/elementary.h"
@@ -35,6 +37,58 @@ TEST(Weather, DatesCountFromTheStart) {
   EXPECT_EQ(weather.mean("temperature", 1.0 / 24, 2.0 / 24), 12.0);
   EXPECT_EQ(Weather::read("time,wind\n2026-06-21,1\n", "").error(),
             "line 2: a date needs the 'start' of the world; set it, or give times in days");
+}
+
+/// "2026-03-01T06:00+01:00" and hours later, up to two weeks.
+std::string dateOf(int hour) {
+  const int ofDay = (6 + hour) % 24;
+  const int day = 1 + (6 + hour) / 24;
+  return "2026-03-" + std::string(day < 10 ? "0" : "") + std::to_string(day) + "T" + (ofDay < 10 ? "0" : "") +
+         std::to_string(ofDay) + ":00+01:00";
+}
+
+TEST(Weather, HoursGiveTheNumbersOfTheTable) {
+  // temperatures with a decimal, times as dates and as days with 6 and with all decimals
+  constexpr int kHours = 300;
+  const auto tenthsOf = [](int hour) { return 83 + hour * 7 % 61; };
+  std::string dates = "time,temperature\n";
+  std::string days = dates;
+  std::string exact = dates;
+  for (int hour = 0; hour < kHours; ++hour) {
+    const std::string value =
+        "," + std::to_string(tenthsOf(hour) / 10) + "." + std::to_string(tenthsOf(hour) % 10) + "\n";
+    char text[40];
+    dates += dateOf(hour) + value;
+    std::snprintf(text, sizeof text, "%.6f", hour / 24.0);
+    days += text + value;
+    std::snprintf(text, sizeof text, "%.17g", hour / 24.0);
+    exact += text + value;
+  }
+  for (const std::string& table : {dates, days, exact}) {
+    const Weather weather = weatherOf(table, dateOf(0));
+    std::int64_t tenths = 0;  // of degrees above 4.3, times hours
+    for (int hour = 0; hour + 3 <= kHours; ++hour) {
+      const double from = beginOfStep(1.0 / 24, static_cast<std::uint64_t>(hour));
+      const double to = beginOfStep(1.0 / 24, static_cast<std::uint64_t>(hour) + 1);
+      EXPECT_EQ(weather.mean("temperature", from, to), tenthsOf(hour) / 10.0) << hour;
+      EXPECT_EQ(weather.mean("temperature", from, from + 1.0 / 24), tenthsOf(hour) / 10.0) << hour;
+      // the nearest doubles to the exact mean and sum: of one division
+      const int three = tenthsOf(hour) + tenthsOf(hour + 1) + tenthsOf(hour + 2);
+      EXPECT_EQ(weather.mean("temperature", from, (hour + 3) / 24.0), three / 30.0) << hour;
+      EXPECT_EQ(weather.thermalTime(from, 4.3), static_cast<double>(tenths) / 240.0) << hour;
+      tenths += tenthsOf(hour) - 43;
+    }
+  }
+}
+
+TEST(Weather, EqualValuesHaveThatMean) {
+  // 14.1 times 0.37 by 0.37 is another number
+  const Weather weather = weatherOf("time,temperature,wind\n0,14.1,0.123456789\n0.21,14.1,0.123456789\n3,14.1,9\n");
+  for (double from = 0; from < 2; from += 0.0371) {
+    EXPECT_EQ(weather.mean("temperature", from, from + 0.37), 14.1);
+    EXPECT_EQ(weather.mean("wind", from, from + 0.37), 0.123456789);
+  }
+  EXPECT_EQ(weather.mean("wind", 0, 0), 0.123456789);
 }
 
 TEST(Weather, AFormulaIsASumOfWaves) {
@@ -78,6 +132,8 @@ TEST(Weather, WrongTextsSayLineAndRemedy) {
     return read ? std::string("none") : read.error();
   };
   EXPECT_EQ(error("time,temperature\n0,1\n0,2\n"), "line 3: the time '0' is not after the one before; sort the rows");
+  EXPECT_EQ(error("time,wind\n0,1\n0.0000001,2\n"),
+            "line 3: the time '0.0000001' is not after the one before; sort the rows");
   EXPECT_EQ(error("time,temperature\n0,warm\n"), "line 2: expected a number for 'temperature', found 'warm'");
   EXPECT_EQ(error("time,temperature\n\n0,1,2\n"), "line 3: expected 2 cells, found 3");
   EXPECT_EQ(error("time,temperature\n0,293.15\n"),

@@ -1,11 +1,20 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "engine/turtle/field.h"
 #include "engine/turtle/weather.h"
 #include "environment/base/air.h"
+#include "environment/soil/soil_body.h"
 #include "tests/environment/query_builder.h"
+
+namespace espalier::environment {
+
+extern const ProcessEntry kSoilWaterProcess;
+
+}  // namespace espalier::environment
 
 namespace espalier::environment::soil_water_test {
 namespace {
@@ -43,6 +52,85 @@ TEST(SoilWater, AQuerySeesHeadContentGradientAndSolutes) {
   for (const auto& value : answerAt(*process, {0, 0.1, 0})) {
     EXPECT_EQ(value, 0.0);
   }
+}
+
+TEST(SoilWater, StepsThatDivideTheDayEndWithIt) {
+  const auto keys = readConfiguration("soil-water", kSoilWaterProcess.keys, "{" + kColumn + "}");
+  ASSERT_TRUE(keys.has_value());
+  for (const double parts : {7.0, 24.0, 49.0}) {
+    auto soil = makeSoilBody(*keys);
+    ASSERT_TRUE(soil.has_value());
+    turtle::World world;
+    world.stepDurationDays = 1.0 / parts;
+    ASSERT_FALSE(soil->open("soil-water", world));
+    for (int step = 0; step < 3 * static_cast<int>(parts); ++step) {
+      ASSERT_FALSE(soil->passTime(world.stepDurationDays));
+    }
+    EXPECT_EQ(soil->day(), 3.0) << parts;
+  }
+}
+
+/// The answers of three days to a query in each cell of a ground of 3 by 4 by 2 cells with rain, uptake and a solute.
+/// `to` moves the ground from where it is to where it is asked, `from` back; a right angle makes 2 by 4 by 3 cells.
+std::vector<std::vector<std::optional<double>>> answersOfGround(
+    const std::function<core::Vec3(const core::Vec3&)>& to, const std::function<core::Vec3(const core::Vec3&)>& from) {
+  const auto headAt = [](const core::Vec3& place) {
+    return -0.4 - 0.5 * place.x - 0.3 * place.y * place.y + 0.2 * place.z * place.x;
+  };
+  const core::Vec3 first = to({0, -0.8, 0});
+  const core::Vec3 last = to({3, 0, 2});
+  const core::Vec3 low{std::min(first.x, last.x), std::min(first.y, last.y), std::min(first.z, last.z)};
+  const bool isTurned = std::abs(std::abs(last.x - first.x) - 3.0) > 0.5;
+  const int width = isTurned ? 2 : 3;
+  const int depth = isTurned ? 3 : 2;
+  const auto text = [](double number) { return std::to_string(number); };
+  std::string heads;
+  for (int z = 0; z < depth; ++z) {
+    for (int y = 0; y < 4; ++y) {
+      for (int x = 0; x < width; ++x) {
+        heads += (heads.empty() ? "" : ",") + text(headAt(from(low + core::Vec3{x + 0.5, 0.2 * (y + 0.5), z + 0.5})));
+      }
+    }
+  }
+  const auto process = openProcess(
+      "soil-water", R"({"gridSize":[)" + std::to_string(width) + ",4," + std::to_string(depth) +
+                        R"(],"cellSize":[1,0.2,1],"position":[)" + text(low.x) + "," + text(low.y) + "," + text(low.z) +
+                        R"(],"initialHeads":[)" + heads +
+                        R"(],"rain":[[0,0.01],[1,0]],"evaporation":[[1,0.004]],"solutes":[[1,0.5,0.001,0.05,0,0]]})");
+  QueryBuilder builder;
+  for (int cell = 0; cell < 24; ++cell) {
+    const core::Vec3 middle{cell % 3 + 0.5, 0.2 * (cell / 3 % 4 + 0.5) - 0.8, cell / 12 + 0.5};
+    builder.add(to(middle), {0.002 * (cell % 5), 0, 0, 0, 0, 0, 0, 0.001 * (cell % 3), 0});
+  }
+  std::vector<std::vector<std::optional<double>>> answers;
+  for (int day = 0; day < 3; ++day) {
+    for (auto& row : answersOf(*process, builder.batch())) {
+      answers.push_back({row[0], row[1], row[2], row[4], row[7], row[8]});  // without the gradients that turn
+    }
+  }
+  return answers;
+}
+
+TEST(SoilWater, AGroundThatIsTurnedMirroredOrElsewhereKeepsItsWater) {
+  const auto same = [](const core::Vec3& v) { return v; };
+  const auto turn = [](const core::Vec3& v) { return core::Vec3{v.z, v.y, -v.x}; };
+  const auto turnBack = [](const core::Vec3& v) { return core::Vec3{-v.z, v.y, v.x}; };
+  const auto mirror = [](const core::Vec3& v) { return core::Vec3{-v.x, v.y, v.z}; };
+  const auto move = [](const core::Vec3& v) { return v + core::Vec3{64, -16, 32}; };
+  const auto moveBack = [](const core::Vec3& v) { return v - core::Vec3{64, -16, 32}; };
+  const auto expected = answersOfGround(same, same);
+  double taken = 0.0;
+  for (const auto& other :
+       {answersOfGround(turn, turnBack), answersOfGround(mirror, mirror), answersOfGround(move, moveBack)}) {
+    ASSERT_EQ(other.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      for (std::size_t k = 0; k < expected[i].size(); ++k) {
+        EXPECT_NEAR(*other[i][k], *expected[i][k], 2e-5 * (1.0 + std::abs(*expected[i][k]))) << i << " " << k;
+      }
+      taken += *expected[i][0];
+    }
+  }
+  EXPECT_GT(taken, 0.1) << "cells that want water get some";
 }
 
 TEST(SoilWater, ScarceWaterIsSharedByWhatEachWants) {
@@ -271,7 +359,8 @@ TEST(SoilWater, AnInitialHeadBeyondAllSoilsIsAnError) {
 
 TEST(SoilWater, AFlowWithoutSolutionIsAnErrorAndChangesNothing) {
   const auto process =
-      openProcess("soil-water", "{" + kColumn + R"(,"surface":"head","topHead":1e306,"initialHead":-1e6})");
+      // heads that gravity should change, of water that cannot flow away and that nothing can store
+      openProcess("soil-water", "{" + kColumn + R"(,"specificStorage":1e-30,"bottom":"closed","initialHead":5})");
   const std::string before = process->save();
   const auto error = process->tick(0);
   ASSERT_TRUE(error.has_value());

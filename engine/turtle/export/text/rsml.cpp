@@ -15,6 +15,7 @@
 #include "engine/core/number_text.h"
 #include "engine/turtle/export/text_output.h"
 #include "engine/turtle/turtle_motion.h"
+#include "engine/turtle/world.h"
 
 namespace espalier::turtle {
 
@@ -341,7 +342,7 @@ class RsmlGrowth final : public GrowthExport {
       const PlantPoint point{
           segment.plant,
           {std::bit_cast<std::uint64_t>(x), std::bit_cast<std::uint64_t>(y), std::bit_cast<std::uint64_t>(z)}};
-      const double day = static_cast<double>(step) * input.stepDurationDays;
+      const double day = beginOfStep(input.stepDurationDays, step);
       days_.push_back(firstDays_.try_emplace(point, day).first->second);
     }
     return std::nullopt;

@@ -185,6 +185,22 @@ TEST(Light, TheSunOfADayIsItsMean) {
   EXPECT_EQ(answersOf(*winter, QueryBuilder().add({0, 0, 0}, {0, 0, 0}).batch())[0][2], 0.0);
 }
 
+TEST(Light, TheSunIsKnownUpToTheYear9999) {
+  const auto process =
+      openProcess("light", R"({"sun":"position","start":"9999-12-31","latitude":51,"longitude":7,"sunSamples":1})");
+  QueryBuilder builder;
+  builder.add({0, 0, 0}, {0, 0, 0});
+  turtle::ReplyBatch replies;
+  replies.prepare(builder.batch());
+  EXPECT_FALSE(process->step(builder.batch(), replies).has_value());
+  builder.batch().timeDays = 1.0;
+  const auto error = process->step(builder.batch(), replies);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->message,
+            "Environment 'light' knows the position of the sun up to the year 9999, and the step that begins on day 1 "
+            "ends later. Make fewer steps, or shorter ones (the world's 'stepDuration').");
+}
+
 TEST(Light, TheSunOfALongStepIsTheMeanOfItsDays) {
   const auto horizontal = [](double days, const std::string& start) {
     turtle::EnvironmentContext context;
