@@ -529,6 +529,36 @@ TEST(Xylem, HeadsShiftTogether) {
                                      R"({"collar":"head","collarHead":)" + std::to_string(-1000.0 + shift) +
                                          R"(,"soilHead":)" + std::to_string(-200.0 + shift) + "}",
                                      centimetres());
+TEST(Xylem, RootsThatAreTurnedByARightAngleTakeUpTheSame) {
+  // the box and its soil are the same turned by a quarter about the vertical
+  const std::string configuration =
+      R"({"transpiration":[[0,1.5]],"dayCourse":true,"lowestHead":-15000,"kr":0.001,)" + kBox + "}";
+  const auto flowsOf = [&](bool isTurned) {
+    const auto place = [isTurned](double x, double y, double z) {
+      return isTurned ? core::Vec3{z, y, -x} : core::Vec3{x, y, z};
+    };
+    RootDrawing drawing;
+    drawing.root(place(0.4, 0, -0.3), 7.3, 5, 0.1, kTen)
+        .segment(place(0.4, -2.92, -0.3), place(1.7, -4, 0.2), 0.05, kTen, 1)
+        .segment(place(0.4, -4.38, -0.3), place(0.3, -4.6, -1.8), 0.05, kTen, 1)
+        .nextPlant()
+        .root(place(-1.1, 0, 1.3), 4.9, 4, 0.08, kTen);
+    const auto process = openProcess("xylem", configuration, centimetres());
+    std::vector<double> flows;
+    for (int day = 0; day < 2; ++day) {
+      for (const auto& row : answersOf(*process, drawing.queries(day))) {
+        flows.push_back(*row[kExchange]);
+      }
+    }
+    return flows;
+  };
+  const std::vector<double> flows = flowsOf(false);
+  const std::vector<double> turned = flowsOf(true);
+  for (std::size_t i = 0; i < flows.size(); ++i) {
+    EXPECT_NEAR(turned[i], flows[i], 1e-5 * std::abs(flows[i])) << i;
+  }
+}
+
     return *answersOf(*process, RootDrawing().segment({0, 0, 0}, {9, 0, 0}, 0.1, kTen).queries())[0][kHead];
   };
   EXPECT_NEAR(headOf(-5000.0), headOf(0.0) - 5000.0, 1e-8);

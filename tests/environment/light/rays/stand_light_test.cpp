@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "environment/light/sky.h"
 #include "tests/environment/light/stand.h"
 
@@ -173,6 +175,36 @@ TEST(StandLight, AStandThatIsTurnedWithItsNorthKeepsTheLightOfAMovingSun) {
   const StandFluxes after = fluxesTurned(true);
   EXPECT_NEAR(before.up, after.up, 0.003);
   EXPECT_NEAR(before.byPlants, after.byPlants, 0.005);
+}
+
+TEST(StandLight, TheOrderOfPlantsChangesNoLight) {
+  // the rays of a leaf are those of its place: drawn in another order it gets the same light, but for the order of sums
+  struct Square {
+    core::Vec3 corner, first, second;
+  };
+  Stand random;
+  std::vector<Square> leaves;
+  for (int i = 0; i < 500; ++i) {
+    const core::Vec3 corner{random.random(), random.random(), random.random()};
+    const core::Vec3 first = random.sphericalNormal() * 0.06;
+    leaves.push_back({corner, first, core::normalised(core::cross(first, random.sphericalNormal())) * 0.06});
+  }
+  const auto lightOf = [](const std::vector<Square>& drawn) {
+    Stand stand;
+    for (const Square& leaf : drawn) {
+      stand.rectangle(leaf.corner, leaf.first, leaf.second);
+    }
+    return answersOf(*openProcess("light", keys(0.2, 0.1, 0.2, 4, kSky)), stand.queries());
+  };
+  const auto expected = lightOf(leaves);
+  std::reverse(leaves.begin(), leaves.end());
+  auto found = lightOf(leaves);
+  std::reverse(found.begin(), found.end());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    for (std::size_t k = 0; k < expected[i].size(); ++k) {
+      EXPECT_NEAR(*found[i][k], *expected[i][k], 1e-9 * (1.0 + std::abs(*expected[i][k]))) << i << " " << k;
+    }
+  }
 }
 
 TEST(StandLight, ThreadsChangeNoBit) {
