@@ -21,6 +21,11 @@ using nlohmann::json;
 constexpr std::pair<std::string_view, std::string_view> kFileKeys[] = {
     {"triangles", "meshFile"}, {"spheres", "pointFile"}, {"points", "pointFile"}, {"heightField", "terrainFile"}};
 
+/// No number of a configuration is larger: powers and products of these are finite. A size above 0 is not smaller:
+/// their quotients are.
+constexpr double kLargestNumber = 1e30;
+constexpr double kSmallestSize = 1e-30;
+
 std::string rangeText(const ConfigurationKey& key) {
   const bool hasMaximum = std::isfinite(key.maximum);
   if (std::isfinite(key.minimum) && hasMaximum && !key.isMinimumExclusive) {
@@ -162,6 +167,16 @@ class ConfigurationReader {
     const bool isBelow = key.isMinimumExclusive ? number <= key.minimum : number < key.minimum;
     if (isBelow || number > key.maximum) {
       add(std::string(key.name), "'" + path + "' must be " + rangeText(key) + ", found " + numberText(number),
+          std::string(key.name) + ": " + std::string(key.description));
+      return std::nullopt;
+    }
+    const bool isTooSmall = key.isMinimumExclusive && key.minimum == 0.0 && number < kSmallestSize;
+    if (isTooSmall || std::abs(number) > kLargestNumber) {
+      add(std::string(key.name),
+          "'" + path + "' must be " +
+              (isTooSmall ? "at least " + numberText(kSmallestSize)
+                          : "between " + numberText(-kLargestNumber) + " and " + numberText(kLargestNumber)) +
+              ", found " + numberText(number),
           std::string(key.name) + ": " + std::string(key.description));
       return std::nullopt;
     }

@@ -217,6 +217,11 @@ class Xylem final : public turtle::EnvironmentProcess {
     if (!plants) {
       return plants.error();
     }
+    if (const auto dry = plantWithoutUptake(plants->nodes)) {
+      return failure("is asked for water that leaves of plant " + std::to_string(*dry) +
+                     " give off, and no segment of that plant takes any up: all are above 'groundHeight', or 'kr' is "
+                     "0. Put roots into the ground, give a 'kr', or 'closingHeads', at which leaves close.");
+    }
     PlantWater water(HydraulicTree(std::move(plants->nodes)), keys_.leaves, keys_.vessels);
     if (hasStomata()) {
       if (auto error = setLeaves(queries.timeDays, traits, *plants, water)) {
@@ -416,6 +421,26 @@ class Xylem final : public turtle::EnvironmentProcess {
     }
     plants.first.push_back(static_cast<std::uint32_t>(plants.nodes.size()));
     return plants;
+  }
+
+  /// The first plant whose leaves must give off water that nothing brings.
+  [[nodiscard]] std::optional<std::uint32_t> plantWithoutUptake(const std::vector<HydraulicTree::Node>& nodes) const {
+    if (keys_.hasCollarHead || keys_.leaves.canClose || hasStomata()) {
+      return std::nullopt;
+    }
+    struct Sums {
+      double demand = 0.0;
+      bool isTakingUp = false;
+    };
+    std::vector<Sums> plants;
+    for (const HydraulicTree::Node& node : nodes) {
+      plants.resize(std::max<std::size_t>(plants.size(), node.plant + 1));
+      plants[node.plant].demand += node.demand;
+      plants[node.plant].isTakingUp = plants[node.plant].isTakingUp || node.radialConductivity > 0.0;
+    }
+    const auto dry = std::find_if(plants.begin(), plants.end(),
+                                  [](const Sums& plant) { return plant.demand > 0.0 && !plant.isTakingUp; });
+    return dry == plants.end() ? std::nullopt : std::optional(static_cast<std::uint32_t>(dry - plants.begin()));
   }
 
   /// The last node of the tree that belongs to a node of PlantTrees, which another one follows or not.

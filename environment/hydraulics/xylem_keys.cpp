@@ -14,6 +14,14 @@ extern const ProcessEntry kSoilWaterProcess;
 
 namespace {
 
+// of heads: far beyond dry soil, and a kilometre of water in millimetres
+constexpr double kLowestHead = -1e9;
+constexpr double kHighestHead = 1e6;
+// far above measured ones, below those whose heads are lost in rounding
+constexpr double kMostRadial = 1e6;  // 1/day
+constexpr double kMostAxial = 1e15;  // length³/day
+constexpr double kMostVessels = 1e9;
+constexpr double kWidestVessel = 1e5;  // µm
 constexpr std::array<std::string_view, 2> kCollars{"flow", "head"};
 constexpr std::array<std::string_view, 2> kLeafKinds{"demand", "stomata"};
 
@@ -46,6 +54,7 @@ constexpr std::array kLeafKeys{
                      .description = "pressure head of a leaf at which stomata are half open; 0: no response; the "
                                     "default is converted from metres",
                      .unit = "length",
+                     .minimum = kLowestHead,
                      .maximum = 0.0,
                      .defaultNumber = -100.0},
     ConfigurationKey{.name = "stomataShape",
@@ -94,6 +103,7 @@ constexpr std::array kLeafKeys{
                      .description = "pressure head of a leaf at which growth ends: 1 − head/growthHead, from 1 to 0 "
                                     "(Lockhart 1965); the default is converted from metres",
                      .unit = "length",
+                     .minimum = kLowestHead,
                      .maximum = -1e-9,
                      .defaultNumber = -80.0},
 };
@@ -103,6 +113,7 @@ constexpr std::array kWaterKeys{
                      .description = "radial conductivity of roots",
                      .unit = "1/day",
                      .minimum = 0.0,
+                     .maximum = kMostRadial,
                      .defaultNumber = 1.728e-4},
     ConfigurationKey{.name = "krTable",
                      .kind = KeyKind::Rows,
@@ -115,6 +126,7 @@ constexpr std::array kWaterKeys{
                      .description = "axial conductance of roots and stems; the default is converted from metres",
                      .unit = "length^3/day",
                      .minimum = 0.0,
+                     .maximum = kMostAxial,
                      .isMinimumExclusive = true,
                      .defaultNumber = 4.32e-8},
     ConfigurationKey{.name = "kxTable",
@@ -131,7 +143,8 @@ constexpr std::array kWaterKeys{
     ConfigurationKey{.name = "radius",
                      .description = "radius of all segments; 0: half the width that the model sets for the segment",
                      .unit = "length",
-                     .minimum = 0.0},
+                     .minimum = 0.0,
+                     .maximum = 1e6},
     ConfigurationKey{.name = "join",
                      .description = "distance within which the start of a segment is joined to the end of another; 0: "
                                     "they are the same point",
@@ -144,6 +157,8 @@ constexpr std::array kWaterKeys{
                      .description = "pressure head of the soil when there is no 'soil'; the default is converted from "
                                     "metres",
                      .unit = "length",
+                     .minimum = kLowestHead,
+                     .maximum = kHighestHead,
                      .defaultNumber = -1.0},
     ConfigurationKey{.name = "soilHeads",
                      .kind = KeyKind::Rows,
@@ -160,6 +175,8 @@ constexpr std::array kWaterKeys{
     ConfigurationKey{.name = "collarHead",
                      .description = "pressure head at the collars; the default is converted from metres",
                      .unit = "length",
+                     .minimum = kLowestHead,
+                     .maximum = kHighestHead,
                      .defaultNumber = -50.0},
     ConfigurationKey{.name = "transpiration",
                      .kind = KeyKind::Rows,
@@ -178,17 +195,21 @@ constexpr std::array kWaterKeys{
                      .description = "pressure head below which a collar does not fall when it gives a flow; the "
                                     "default is converted from metres",
                      .unit = "length",
+                     .minimum = kLowestHead,
+                     .maximum = 0.0,
                      .defaultNumber = -150.0},
     ConfigurationKey{.name = "closingHeads",
                      .kind = KeyKind::Numbers,
                      .description = "pressure heads at which leaves begin to close and at which they are closed; none: "
                                     "leaves give what is wanted",
                      .unit = "length",
+                     .minimum = kLowestHead,
                      .maximum = 0.0,
                      .maximumCount = 2},
     ConfigurationKey{.name = "vulnerabilityHead",
                      .description = "pressure head at which half of kx is lost; 0: nothing is lost",
                      .unit = "length",
+                     .minimum = kLowestHead,
                      .maximum = 0.0},
     ConfigurationKey{.name = "vulnerabilityShape",
                      .description = "exponent s of the part that is left: 1/(1 + (head/vulnerabilityHead)^s)",
@@ -334,6 +355,20 @@ std::vector<core::Diagnostic> checkXylem(const Configuration& configuration) {
                                                    : "write rows of order, age and conductivity, by order and then by "
                                                      "age"));
     }
+    const double most = key == "krTable" ? kMostRadial : kMostAxial;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (key == "vessels" && !(vessels[i][2] <= kMostVessels && vessels[i][3] <= kWidestVessel)) {
+        errors.push_back(wrongXylem("'vessels' has " + numberText(vessels[i][2]) + " vessels of the radius " +
+                                        numberText(vessels[i][3]) + " in row " + std::to_string(i) +
+                                        ", and there are at most " + numberText(kMostVessels) + " of at most " +
+                                        numberText(kWidestVessel) + " µm",
+                                    "write rows of order, age, number of vessels and their radius in µm"));
+      } else if (key != "vessels" && rows[i][2] > most) {
+        errors.push_back(wrongXylem("'" + key + "' has " + numberText(rows[i][2]) + " in row " + std::to_string(i) +
+                                        ", and the most is " + numberText(most),
+                                    "write rows of order, age and conductivity, in the world's length unit and days"));
+      }
+    }
     for (std::size_t i = 0; key != "krTable" && i < rows.size(); ++i) {
       if (!(rows[i][2] > 0.0) || (key == "vessels" && !(vessels[i][2] > 0.0 && vessels[i][3] > 0.0))) {
         errors.push_back(wrongXylem("'" + key + "' has the conductance 0 in row " + std::to_string(i),
@@ -355,6 +390,14 @@ std::vector<core::Diagnostic> checkXylem(const Configuration& configuration) {
                                         " " + numberText(rows[i - 1][0]),
                                     "write the rows in ascending order, each " + what + " once"));
       }
+    }
+  }
+  for (const auto& row : configuration.rows("soilHeads")) {
+    if (!(row[1] >= kLowestHead && row[1] <= kHighestHead)) {
+      errors.push_back(wrongXylem("'soilHeads' has the head " + numberText(row[1]) + ", and heads lie from " +
+                                      numberText(kLowestHead) + " to " + numberText(kHighestHead),
+                                  "write rows of height and pressure head, in the world's length unit"));
+      break;
     }
   }
   const auto& heads = configuration.numbers("closingHeads");

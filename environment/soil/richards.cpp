@@ -63,10 +63,30 @@ double RichardsSolver::storedWater() const {
 }
 
 double RichardsSolver::advance(double days, const SoilBorders& borders, const Tolerance& tolerance, Uptake* uptake) {
+  // heads of a cell with less water than the tolerance mean nothing to Newton's method
+  if (!hasDryCell(tolerance.iteration)) {
+    if (const double passed = advanceBy(Newton::ByHeads, days, borders, tolerance, uptake); passed > 0.0) {
+      return passed;
+    }
+  }
+  return advanceBy(Newton::ByContents, days, borders, tolerance, uptake);
+}
+
+bool RichardsSolver::hasDryCell(double content) const {
+  for (std::size_t cell = 0; cell < cellCount(); ++cell) {
+    if (isSoil(cell) && state_.contents[cell] - soilOf(cell).residualContent < content) {
+      return true;
+    }
+  }
+  return false;
+}
+
+double RichardsSolver::advanceBy(Newton kind, double days, const SoilBorders& borders, const Tolerance& tolerance,
+                                 Uptake* uptake) {
   double step = std::min(days, state_.timeStep);
   for (; step >= std::min(kShortestStepDays, days); step /= 3.0) {
     heads_ = state_.heads;
-    if (!iterate(step, borders, tolerance.iteration, uptake)) {
+    if (!iterate(kind, step, borders, tolerance.iteration, uptake)) {
       continue;
     }
     const double error = timeErrorOf(step);
@@ -85,7 +105,20 @@ double RichardsSolver::advance(double days, const SoilBorders& borders, const To
   return 0.0;
 }
 
-bool RichardsSolver::iterate(double days, const SoilBorders& borders, double tolerance, Uptake* uptake) {
+double RichardsSolver::headAfter(Newton kind, std::size_t cell, double start, double change) const {
+  const double head = start + change;
+  if (kind == Newton::ByHeads || !isSoil(cell) || !(change > 0.0) || start >= 0.0) {
+    return head;
+  }
+  constexpr double kAlmostSaturated = 0.99;
+  const SoilLayer& soil = soilOf(cell);
+  const double before = soil.saturation(start);
+  const double after = std::min(before + soil.capacity(start) * change / (soil.saturatedContent - soil.residualContent),
+                                kAlmostSaturated);
+  return after > before ? std::min(head, soil.headAtSaturation(after)) : head;
+}
+
+bool RichardsSolver::iterate(Newton kind, double days, const SoilBorders& borders, double tolerance, Uptake* uptake) {
   double residual = assemble(days, borders, uptake) ? largestResidual() : HUGE_VAL;
   lastResidual_ = residual * days;
   if (!std::isfinite(residual)) {
@@ -104,7 +137,7 @@ bool RichardsSolver::iterate(double days, const SoilBorders& borders, double tol
     double best = HUGE_VAL;
     for (int halving = 0; halving <= kMostHalvings; ++halving, share *= 0.5) {
       for (std::size_t cell = 0; cell < cellCount(); ++cell) {
-        heads_[cell] = start[cell] + share * change_[cell];
+        heads_[cell] = headAfter(kind, cell, start[cell], share * change_[cell]);
       }
       best = assemble(days, borders, uptake) ? largestResidual() : HUGE_VAL;
       if (best < residual) {

@@ -155,7 +155,15 @@ class RichardsSolver {
     return {soilOf_[cell], potentialOf(cell).pointAt(head)};
   }
   [[nodiscard]] bool isBottomOfColumn(std::size_t cell) const { return cell < stride(2) && isSoil(cell); }
-  [[nodiscard]] bool iterate(double days, const SoilBorders& borders, double tolerance, Uptake* uptake);
+  /// How a change of heads that the linear equations give is made: as it is, or where a cell gets wetter no further
+  /// than the same change of water contents goes. In a very dry cell the head that belongs to a little water jumps, and
+  /// a step by its slope goes far beyond.
+  enum class Newton : std::uint8_t { ByHeads, ByContents };
+  [[nodiscard]] double advanceBy(Newton kind, double days, const SoilBorders& borders, const Tolerance& tolerance,
+                                 Uptake* uptake);
+  [[nodiscard]] bool iterate(Newton kind, double days, const SoilBorders& borders, double tolerance, Uptake* uptake);
+  [[nodiscard]] double headAfter(Newton kind, std::size_t cell, double start, double change) const;
+  [[nodiscard]] bool hasDryCell(double content) const;
   [[nodiscard]] bool solveSystem(const Uptake* uptake);
   [[nodiscard]] bool assemble(double days, const SoilBorders& borders, Uptake* uptake);
   void addSurface(std::size_t cell, const SoilBorders& borders);

@@ -57,6 +57,7 @@ constexpr std::array kSoilKeys{
     gridSizeKey(kUnitSides, "cells along x, y, z when no concentration is given"),
     ConfigurationKey{.name = "uniformConcentration",
                      .description = "concentration of every cell when no concentration is given",
+                     .minimum = 0.0,
                      .defaultNumber = 1.0},
     ConfigurationKey{.name = "concentrationRange",
                      .kind = KeyKind::Numbers,

@@ -14,6 +14,10 @@
 
 namespace espalier::environment {
 
+namespace {
+constexpr double kMostHeightRatio = 1e5;  // of cells
+}  // namespace
+
 std::optional<turtle::EnvironmentError> SoilBody::open(std::string_view process, const turtle::World& world) {
   const auto fail = [&](const std::string& sentences) {
     return turtle::EnvironmentError{"Environment '" + std::string(process) + "' " + sentences, false};
@@ -24,6 +28,14 @@ std::optional<turtle::EnvironmentError> SoilBody::open(std::string_view process,
   }
   if (!(world.stepDurationDays > 0.0)) {
     return fail("lets time pass in steps: the world's 'stepDurationDays' must be greater than 0.");
+  }
+  const auto layers = static_cast<double>(keys_.shape.cells[static_cast<std::size_t>(axes->up)]);
+  const double growth = std::max(keys_.shape.growth, 1.0 / keys_.shape.growth);
+  if (core::pow(growth, layers - 1.0) > kMostHeightRatio) {
+    return fail(
+        "has 'growth' " + numberText(keys_.shape.growth) + " and " + numberText(layers) +
+        " layers of cells: the highest cell would be more than 100000 times as high as the lowest, and the flow "
+        "of water is not solved then. Use fewer layers, or a 'growth' nearer to 1.");
   }
   if (world.lengthUnit != "m" && !keys_.hasOwnLayers) {
     return fail("has a default soil in metres, and the world's unit is '" + world.lengthUnit +

@@ -66,7 +66,10 @@ double SoilLayer::headAt(double content) const {
   if (content >= saturatedContent) {
     return specificStorage > 0.0 ? (content - saturatedContent) / specificStorage : 0.0;
   }
-  const double effective = (content - residualContent) / (saturatedContent - residualContent);
+  return headAtSaturation((content - residualContent) / (saturatedContent - residualContent));
+}
+
+double SoilLayer::headAtSaturation(double effective) const {
   if (!(effective > 0.0)) {
     return kDriestHead;
   }

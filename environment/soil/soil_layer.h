@@ -28,6 +28,8 @@ struct SoilLayer {
   [[nodiscard]] double conductivityAt(double head) const;
   /// The head at a water content; −10⁷ lengths at the residual water content.
   [[nodiscard]] double headAt(double content) const;
+  /// The head at an effective saturation from 0 to below 1; at least −10⁷ lengths.
+  [[nodiscard]] double headAtSaturation(double effective) const;
   /// dK/dh, 1/day; 0 when h ≥ 0.
   [[nodiscard]] double conductivitySlope(double head) const;
 

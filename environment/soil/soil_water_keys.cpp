@@ -24,6 +24,15 @@ constexpr std::size_t kSoilWaterMaximumCellCount = std::size_t{1} << 24;
 
 // far beyond dry soil; with 1e12 the internal time steps of a column that drains have no end
 constexpr double kMostHead = 1e9;
+// a kilometre of water in millimetres; with 1e9 at a border no step converges
+constexpr double kMostBorderHead = 1e6;
+// the widest that soils have in metres or millimetres: α of clay, α of stones, conductivity of stones
+constexpr double kLeastAlpha = 1e-6;
+constexpr double kMostAlpha = 1e4;
+constexpr double kMostConductivity = 1e9;
+// of van Genuchten's n; published fits lie between. Nearer to 1 a time step has no end, beyond no step converges
+constexpr double kLeastN = 1.005;
+constexpr double kMostN = 15.0;
 constexpr std::array kSoilWaterOwnKeys{
     gridSizeKey(kSoilWaterGridSize, "cells along x, y, z; one along both horizontal directions: a column"),
     sidesKey("cellSize", "sides of a cell along x, y, z; upwards the mean", kCellSize),
@@ -86,7 +95,11 @@ constexpr std::array kSoilWaterOwnKeys{
                      .description = "weather: rain and evaporation; head: topHead",
                      .defaultText = "weather",
                      .choices = kSurfaces},
-    ConfigurationKey{.name = "topHead", .description = "pressure head at the surface", .unit = "length"},
+    ConfigurationKey{.name = "topHead",
+                     .description = "pressure head at the surface",
+                     .unit = "length",
+                     .minimum = -kMostHead,
+                     .maximum = kMostBorderHead},
     ConfigurationKey{.name = "rain",
                      .kind = KeyKind::Rows,
                      .description = "day, rain (length/day) from then on; rain that cannot get in runs off",
@@ -119,7 +132,9 @@ constexpr std::array kSoilWaterOwnKeys{
                      .maximum = 1.0},
     ConfigurationKey{.name = "longWaveLoss",
                      .description = "radiation that the ground loses in long waves, and heat that goes into it",
-                     .unit = "W/m^2"},
+                     .unit = "W/m^2",
+                     .minimum = -1e4,
+                     .maximum = 1e4},
     ConfigurationKey{.name = "roughness",
                      .description = "aerodynamic roughness of the ground; evaporationBy weather needs it",
                      .unit = "m",
@@ -133,8 +148,8 @@ constexpr std::array kSoilWaterOwnKeys{
     ConfigurationKey{.name = "airPressure",
                      .description = "pressure of the air",
                      .unit = "kPa",
-                     .minimum = 0.0,
-                     .isMinimumExclusive = true,
+                     .minimum = 20.0,
+                     .maximum = 120.0,
                      .defaultNumber = 101.3},
     ConfigurationKey{.name = "weatherPeriod",
                      .description = "days after which rain, evaporation and groundLight repeat; 0: never",
@@ -143,6 +158,7 @@ constexpr std::array kSoilWaterOwnKeys{
     ConfigurationKey{.name = "driestHead",
                      .description = "pressure head of a surface that is dry: limits evaporation",
                      .unit = "length",
+                     .minimum = -kMostHead,
                      .maximum = 0.0,
                      .defaultNumber = -150.0},
     ConfigurationKey{.name = "bottom",
@@ -150,10 +166,15 @@ constexpr std::array kSoilWaterOwnKeys{
                      .description = "free: drainage by gravity; closed; head: bottomHead at the lower border",
                      .defaultText = "free",
                      .choices = kBottoms},
-    ConfigurationKey{.name = "bottomHead", .description = "pressure head at the lower border", .unit = "length"},
+    ConfigurationKey{.name = "bottomHead",
+                     .description = "pressure head at the lower border",
+                     .unit = "length",
+                     .minimum = -kMostHead,
+                     .maximum = kMostBorderHead},
     ConfigurationKey{.name = "wiltingHead",
                      .description = "pressure head down to which roots can take water",
                      .unit = "length",
+                     .minimum = -kMostHead,
                      .maximum = 0.0,
                      .defaultNumber = -150.0},
     ConfigurationKey{.name = "solutes",
@@ -202,6 +223,7 @@ constexpr std::array kSoilWaterOwnKeys{
         .name = "tolerance",
         .description = "largest difference of a cell's water content from the content that belongs to its head",
         .minimum = 1e-16,
+        .maximum = 0.1,
         .defaultNumber = 1e-6},
     ConfigurationKey{.name = "timeTolerance",
                      .description = "largest error of a cell's water content in one internal time step",
@@ -325,6 +347,16 @@ std::vector<core::Diagnostic> checkSoilWater(const Configuration& configuration)
     } else if (!(row[3] > 0.0 && row[4] > 1.0 && row[5] > 0.0)) {
       errors.push_back(wrong(name + " needs α and the conductivity above 0 and n above 1",
                              "a row is thickness, residual content, saturated content, α, n, conductivity"));
+    } else if (!(row[3] >= kLeastAlpha && row[3] <= kMostAlpha && row[5] <= kMostConductivity)) {
+      errors.push_back(wrong(name + " has the α " + numberText(row[3]) + " and the conductivity " + numberText(row[5]) +
+                                 "; an α lies from " + numberText(kLeastAlpha) + " to " + numberText(kMostAlpha) +
+                                 " and a conductivity is at most " + numberText(kMostConductivity),
+                             "α is one over a length and the conductivity a length per day, in the world's unit"));
+    } else if (configuration.text("soil") != "gardner" && !(row[4] >= kLeastN && row[4] <= kMostN)) {
+      errors.push_back(wrong(name + " has van Genuchten's n " + numberText(row[4]) +
+                                 ", and the flow of water is solved for n from " + numberText(kLeastN) + " to " +
+                                 numberText(kMostN),
+                             "fit the curve with an n in that range, or take \"soil\": \"gardner\""));
     }
   }
   if (configuration.text("evaporationBy") == "weather") {

@@ -91,6 +91,21 @@ TEST(Configuration, UnknownKeyNamesTheNearest) {
       "   hint: Did you mean 'radius'? Available: count, isOpen, mode, part, radius, sources, span, start, title.");
 }
 
+TEST(Configuration, NoNumberIsSoLargeThatItsPowersAreInfinite) {
+  EXPECT_EQ(errorsOfText(R"({"start":[0,-1e31]})"),
+            "error: environment process 'demo': 'start[1]' must be between -1.0e+30 and 1.0e+30, found -1.0e+31\n"
+            "   hint: start: where");
+  EXPECT_EQ(errorsOfText(R"({"start":[1e30,-1e30]})"), "");
+  // a length that is divided by is not so small that its quotients are
+  constexpr std::array kSizes{ConfigurationKey{
+      .name = "size", .description = "how wide", .minimum = 0.0, .isMinimumExclusive = true, .defaultNumber = 1.0}};
+  const auto tiny = readConfiguration("demo", kSizes, R"({"size":1e-31})");
+  ASSERT_FALSE(tiny.has_value());
+  EXPECT_EQ(tiny.error().front().diagnostic.message,
+            "environment process 'demo': 'size' must be at least 1.0e-30, found 1.0e-31");
+  EXPECT_TRUE(readConfiguration("demo", kSizes, R"({"size":1e-30})").has_value());
+}
+
 TEST(Configuration, WrongTypesNameThePathAndWhatWasFound) {
   EXPECT_EQ(
       errorsOfText(R"({"radius":"big"})"),

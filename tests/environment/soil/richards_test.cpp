@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "tests/environment/soil/soils.h"
 
@@ -168,6 +169,30 @@ TEST(Richards, InfiltrationUnderPondingIsAboutGreenAndAmpts) {
   const double infiltrated = solver.state().balance.infiltrated;
   const double time = (infiltrated - deficit * std::log(1 + infiltrated / deficit)) / sand.conductivity;
   EXPECT_NEAR(time / 0.02, 1.0, 0.12);
+}
+
+TEST(Richards, SteepSoilWithLessWaterThanTheToleranceTakesUpRain) {
+  // behind the front the soil conducts the rain by gravity alone: K(h) = rain. All of the rain is there, in a front
+  // that ends at rain · time/(θ(h) − θr)
+  for (const auto& [n, head] : {std::pair(3.0, -100000.0), {5.0, -1000.0}}) {
+    const SoilLayer sand{0.05, 0.4, 0.036, n, 200.0, 1e-7};
+    auto solver = column(60, 2, sand, head);
+    const double before = solver.storedWater();
+    ASSERT_LT(sand.content(head) - 0.05, 1e-6) << n;
+    pass(solver, 1, {.rain = 10, .bottom = SoilBorders::Bottom::Closed}, 1e-6);
+    EXPECT_NEAR(solver.storedWater() - before, 10.0, 1e-9) << n;
+    double wet = 0.0;
+    double dry = -1e5;
+    for (int i = 0; i < 200; ++i) {
+      const double middle = 0.5 * (wet + dry);
+      (sand.conductivityAt(middle) > 10.0 ? wet : dry) = middle;
+    }
+    const double content = sand.content(dry);
+    EXPECT_NEAR(solver.contentOf(57), content, 0.002) << n;
+    const auto front = static_cast<std::size_t>(60.0 - 10.0 / (content - 0.05) / 2.0);
+    EXPECT_LT(solver.contentOf(front - 8), 0.06) << n;
+    EXPECT_GT(solver.contentOf(front + 8), content - 0.01) << n;
+  }
 }
 
 TEST(Richards, RainThatCannotGetInRunsOff) {
