@@ -3,6 +3,8 @@
 import importlib.util
 import json
 import math
+import os
+import re
 import shutil
 import subprocess
 import sys
@@ -179,12 +181,25 @@ class Survey(unittest.TestCase):
         self.convert("none.vtp", "out.las", said="cannot be read")
         self.convert("plant.vtp", "out.las", "--spacing", "0", said="spacing 0.0 is no number above 0")
         self.convert("plant.vtp", "out.las", "--spacing", "1e-7", said="more than 100000000 points")
+        for origin in ("nan,0,0", "0,inf,0", "0,0,-1e300"):
+            for target in ("out.las", "out.obj"):
+                self.convert("plant.vtp", target, f"--origin={origin}", said="the origin .* is no place")
+        for name in ("pipe.vtp", "pipe.vti"):
+            os.mkfifo(self.folder / name)
+            self.convert(name, "out.obj", said="pipe.vt. is no file")
+        nothing = re.sub(r"(?s)(<Piece.*?</Piece>\s*)+", "", good)
+        self.assertIn("PolyData", nothing)
+        (self.folder / "nothing.vtp").write_text(nothing, encoding="utf-8")
+        self.convert("nothing.vtp", "out.obj", said="no polygons")
+        self.convert("nothing.vtp", "out.las", said="no points")
         self.convert("plant.vtp", "out.tif", said="no way from '.vtp' to '.tif'")
         grid = Fields(Grid((2, 1, 1), (0, 0, 0), (1, 1, 1)), {"a": ("1", bytes(16)), "b": ("1", bytes(16))})
         for call, expected in ((lambda: survey.heights_of(grid), "quantities a, b"), (lambda: survey.heights_of(grid, "c"), "no quantity 'c'"),
                                (lambda: survey.heights_of(grid, "a", "median"), "'median' is no way")):
             with self.assertRaisesRegex(survey.SurveyError, expected):
                 call()
+        with self.assertRaisesRegex(survey.SurveyError, "is no place"):
+            survey.write_geotiff(survey.heights_of(grid, "a"), self.folder / "x.tif", 25832, (math.nan, 0.0))
         with self.assertRaisesRegex(survey.SurveyError, "not from 1 to 65535"):
             survey.write_geotiff(survey.heights_of(grid, "a"), self.folder / "x.tif", 70000)
 

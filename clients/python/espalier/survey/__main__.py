@@ -11,8 +11,8 @@ from typing import List, Optional, Tuple
 
 from . import __doc__ as about
 from .geotiff import heights_of, write_geotiff
-from .las import surface_points, write_las
-from .vtp import SurveyError, read_vtp, write_obj
+from .las import require_place, surface_points, write_las
+from .vtp import SurveyError, read_vtp, require_file, write_obj
 from ..fields import FieldError, read_vti
 
 
@@ -26,6 +26,8 @@ def _origin(text: str) -> Tuple[float, float, float]:
 
 def _write(options: argparse.Namespace, part: Path) -> None:
     kinds = (Path(options.source).suffix, part.suffix)
+    require_file(options.source)
+    require_place(options.origin)
     if kinds == (".vtp", ".las"):
         write_las(surface_points(read_vtp(options.source), options.spacing), part, options.origin)
     elif kinds == (".vtp", ".obj"):

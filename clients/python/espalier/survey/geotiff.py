@@ -8,6 +8,7 @@ import struct
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from ..fields import Fields
+from .las import require_place
 from .vtp import SurveyError
 
 
@@ -59,6 +60,7 @@ def heights_of(fields: Fields, name: Optional[str] = None, over: str = "mean", i
 def write_geotiff(content: Map, path: "str | os.PathLike[str]", epsg: Optional[int] = None, origin: Sequence[float] = (0.0, 0.0),
                   unit: str = "") -> None:
     """Writes a map. `epsg` is the number of a projection in metres; without it the file has places and no projection."""
+    require_place(origin)
     rows, columns = len(content.rows), len(content.rows[0])
     line = 8 * columns
     if 8 + rows * line > 2**32 - 2**20:

@@ -20,6 +20,12 @@ class LasPoint(NamedTuple):
     organ: int  # becomes the user data
 
 
+def require_place(origin: Sequence[float]) -> None:
+    """Raises SurveyError for an origin that is no place."""
+    if not all(abs(number) < 1e15 for number in origin):
+        raise SurveyError(f"the origin {','.join(repr(number) for number in origin)} is no place: give finite numbers below 1e15.")
+
+
 def surface_points(mesh: VtpMesh, spacing: float) -> Iterator[LasPoint]:
     """Points that lie evenly on the triangles: the centres of their equal parts, whose sides are at most `spacing`."""
     if not (spacing > 0 and math.isfinite(spacing)):
@@ -50,6 +56,7 @@ def _whole(mesh: VtpMesh, name: str, polygon: int) -> int:
 
 def write_las(points: Iterable[LasPoint], path: "str | os.PathLike[str]", origin: Sequence[float] = (0.0, 0.0, 0.0), scale: float = 0.001) -> int:
     """Writes the points as high vegetation; a coordinate is a whole multiple of `scale` from the origin. Returns their number."""
+    require_place(origin)
     east, north, height = origin
     body, count = bytearray(), 0
     low, high = [_MOST] * 3, [-_MOST] * 3

@@ -97,8 +97,15 @@ def _fill(values: List[float], count: int) -> None:
     values.extend([math.nan] * (count - len(values)))
 
 
+def require_file(path: "str | os.PathLike[str]") -> None:
+    """Raises SurveyError for what is no file: a pipe would have no end. What is not there is left to the reader."""
+    if Path(path).exists() and not Path(path).is_file():
+        raise SurveyError(f"{path} is no file: give the name of a file, no pipe, device or folder.")
+
+
 def read_vtp(path: "str | os.PathLike[str]") -> VtpMesh:
     """Reads a .vtp file with inline arrays that are not compressed. Raises SurveyError."""
+    require_file(path)
     try:
         if Path(path).stat().st_size > MOST_BYTES:
             raise SurveyError(f"it has more than {MOST_BYTES} bytes: write it with a smaller --detail.")
@@ -121,7 +128,10 @@ def read_vtp(path: "str | os.PathLike[str]") -> VtpMesh:
 
 
 def write_obj(mesh: VtpMesh, path: "str | os.PathLike[str]") -> None:
-    """Writes a mesh in the coordinates of the world, as `"meshFile"` of an environment takes it."""
+    """Writes a mesh in the coordinates of the world, as `"meshFile"` of an environment takes it. Raises SurveyError for no polygons."""
+    if not mesh.polygons:
+        raise SurveyError("there are no polygons: give a mesh with at least one.")
+
     def line(polygon: Sequence[int]) -> str:
         return "f " + " ".join(str(point + 1) for point in polygon) + "\n"
 
