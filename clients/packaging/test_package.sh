@@ -53,6 +53,7 @@ root="$here/../.."
 sources="$folder/sources"
 rm -rf "$sources"
 mkdir -p "$sources/grow"
+cp -r "$root/clients/bmi/example" "$sources/bmi"
 cp "$root/environment/plugin_example/ceiling.c" "$sources"
 block() { awk -v fence="\`\`\`$1" '$0 == "```" && inside { exit } inside { print } $0 == fence { inside = 1 }' "$root/docs/library.md"; }
 block cmake >"$sources/grow/CMakeLists.txt"
@@ -172,6 +173,11 @@ test "$(espalier derive plant.l --environment ./libceiling.so --quiet)" = 'FFFA?
 cmake -S grow -B grow/build -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build grow/build
 test "$(grow/build/grow | tail -n 1)" = 'FFFA?E(0)'
+# the component bmi links the most
+cmake -S bmi -B bmi/build -DCMAKE_BUILD_TYPE=Release >/dev/null
+cmake --build bmi/build
+echo '{"model": "plant.l", "outputs": ["count:F"]}' >plant-bmi.json
+test "$(bmi/build/driver plant-bmi.json | tail -n 1)" = '5 d  count:F 5 1'
 
 # settings that a person changed and data stay when the package goes; data that a server has open stay when it is purged, too
 echo '# changed' >>/etc/espalier/serve.toml
@@ -195,7 +201,7 @@ test ! -e "$data"
 INSIDE
 
 mmdebstrap --variant=apt --quiet --include=ca-certificates \
-  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$sources/ceiling.c' '$root/tests/server/store/fixtures/version1.sqlite' '$sources/grow' '$folder/inside.sh' /srv" \
+  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$sources/ceiling.c' '$root/tests/server/store/fixtures/version1.sqlite' '$sources/grow' '$sources/bmi' '$folder/inside.sh' /srv" \
   --customize-hook='chroot "$1" sh /srv/inside.sh' \
   bookworm /dev/null >"$folder/bare.log" 2>&1 || fail "in a bare Debian 12: $(tail -n 12 "$folder/bare.log")"
 passed "in a bare Debian 12: wheel, package installed and used in a minute, upgraded under a running server and after a kill with data of 0.1.0, C and C++ built, removed, purged"

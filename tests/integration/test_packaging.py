@@ -1,6 +1,7 @@
 """Man pages, completions and wheels are made from the program: every command and option is in them."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -199,6 +200,20 @@ class DebianScripts(unittest.TestCase):
         package = Path(next(target for source, target in lines if source == "clients/python/espalier")) / "espalier"
         place = viewing.SCRIPTS[0].relative_to(Path(viewing.__file__).parent)
         self.assertEqual(Path(target) / "espalier.js", package / place)
+
+    def test_the_development_package_brings_what_its_cmake_package_looks_for(self) -> None:
+        # the names of Debian 12; threads are the C library's
+        brought = {"OpenSSL": "libssl-dev", "zstd": "libzstd-dev", "tl-expected": "libexpected-dev", "Boost": "libboost1.81-dev",
+                   "nlohmann_json": "nlohmann-json3-dev", "simdjson": "libsimdjson-dev", "tinyobjloader": "libtinyobjloader-dev",
+                   "TinyGLTF": "libtinygltf-dev", "PNG": "libpng-dev", "JPEG": "libjpeg-dev", "embree": "libembree-dev", "ZLIB": "zlib1g-dev"}
+        looked = set(re.findall(r"find_dependency\((\S+?)[ )]", (REPOSITORY / "cmake" / "espalier-config.cmake").read_text(encoding="utf-8")))
+        self.assertEqual(looked - {"Threads"}, set(brought))
+        control = (DEBIAN / "control").read_text(encoding="utf-8")
+        paragraph = next(part for part in control.split("\n\n") if part.startswith("Package: espalier-dev\n"))
+        depends = re.search(r"Depends:(.*?)\n(?=\S)", paragraph, re.DOTALL)
+        assert depends is not None
+        packages = {word.strip() for word in depends.group(1).split(",")}
+        self.assertEqual(set(brought.values()) - packages, set())
 
     def test_no_line_of_the_test_of_packages_hides_a_failure(self) -> None:
         # `set -e` does not see a command behind `!`
