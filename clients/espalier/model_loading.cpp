@@ -84,7 +84,8 @@ std::optional<roots::RootSystem> readRootFile(const std::string& file, bool isQu
     printError(file + ", " + read.error());
     return std::nullopt;
   }
-  if (!read->remark.empty() && !isQuiet) {
+  // without lines there is an error where they are needed
+  if (!read->remark.empty() && !isQuiet && read->hasLines()) {
     printNote("warning: '" + file + "': " + read->remark);
   }
   return std::move(*read);
@@ -497,8 +498,11 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
     if (!roots && !(roots = readRootFile(modelFiles.model, options.isQuiet, files, options.simulationLimits()))) {
       return nullptr;
     }
-    if (roots->nodes.empty()) {
-      printError(modelFiles.model + ": it has no roots. Give a file with the points of at least one root");
+    if (!roots->hasLines()) {
+      printError(modelFiles.model + (roots->nodes.empty()
+                                         ? ": it has no roots. Give a file with the points of at least one root"
+                                         : ": its roots have no length, so there is nothing to draw. Give a file with "
+                                           "two points of at least one root"));
       return nullptr;
     }
     if (options.lengthUnit.empty()) {

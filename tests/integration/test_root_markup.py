@@ -150,6 +150,66 @@ class RootMarkup(unittest.TestCase):
         self.assertEqual(domains, {"polyline", "uniform", "length"})
         self.assertGreater(laterals, 10)
 
+    def test_what_is_read_is_written_as_it_was(self) -> None:
+        def root(name: str, points: List[Point], node: Optional[int] = None, diameters: str = "", days: str = "", inside: str = "") -> str:
+            functions = "".join(f'<function name="{kind}" domain="polyline">' + "".join(f'<sample value="{each}"/>' for each in values.split()) + "</function>"
+                                for kind, values in (("diameter", diameters), ("emergence_time", days)) if values)
+            return (f"<root {name}>" + ("" if node is None else f'<properties><parent-node value="{node}"/></properties>') + "<geometry><polyline>" +
+                    "".join(f'<point x="{x}" y="{y}" z="{z}"/>' for x, y, z in points) + f"</polyline></geometry><functions>{functions}</functions>{inside}</root>")
+
+        far = 1e12
+        first = root('ID="4"', [(0, 0, 0), (0, -1, 0), (0, -1, 0), (0, -2, 0)], None, "0.5 0.4 0.4 0", "", "".join((
+            # laterals: at the first point, with one of its own there; off the parent; in the end, before and behind in the drawing
+            root('ID="tip"', [(0, -2, 0), (1, -3, 0)], 3, "0.1 0"),
+            root('ID="first" label="l"', [(0, 0, 0), (2, -1, 0), (2, -1, 0)], 0, "0.2 0.1", "", root('ID="deep"', [(0, 0, 0), (0, 0, 4)], 0)),
+            root('ID="off"', [(0.25, -1, 0), (3, -1.5, 0)], 2, "0.2 0.1"),
+            root('ID="on"', [(0, -1, 0), (0.1 + 0.2, -1, 1 / 3)], 1),
+            root('ID="dot"', [(0, -1, 0)], 1, "0.3"))))
+        second = root("", [(far, 0, 0), (far + 0.125, -0.0625, 1e-7), (far + 0.375, -1, 1e-300)], None, "0.1 0.1 0.1", "", root("", [(far, 0, 0), (far, 0, 1)], 0))
+        seed = root('ID="7"', [(5, 5, 5)], None, "0.25")
+        timed = root('ID="a"', [(0, 0, 0), (0, -1, 0)], None, "", "0.5 3.25", root('ID="b"', [(0, 0, 0), (1, 0, 0)], 0, "", "1.5 2.25"))
+        for name, plants in (("roots", f'<plant ID="0" label="p">{first}</plant><plant>{second}</plant><plant ID="2">{seed}</plant>'),
+                             ("days", f'<plant ID="p">{timed}</plant>')):
+            text = f"<rsml><metadata><unit>mm</unit></metadata><scene>{plants}</scene></rsml>"
+            (self.folder / "in.rsml").write_text(text, encoding="utf-8")
+            source = RsmlFile(text).roots
+            for more in ((), ("--every",)) if name == "days" else ((),):
+                espalier("run", str(self.folder / "in.rsml"), *more, "-o", str(self.folder / "out.rsml"))
+                found = self.read("out.rsml")
+                for one, other in zip(found.roots, source):
+                    # numbers stand for names that are missing, and none of them is the name of another
+                    other.identifier = other.identifier or one.identifier
+                self.assertEqual(found.roots, source)
+                names = [root.identifier for root in found.roots]
+                self.assertEqual(len(set(names)), len(names), names)
+                identifiers = [identifier for identifier, _ in found.plants]
+                self.assertEqual(len(set(identifiers)), len(identifiers), identifiers)
+                espalier("run", str(self.folder / "out.rsml"), *more, "-o", str(self.folder / "again.rsml"))
+                self.assertEqual((self.folder / "again.rsml").read_bytes(), (self.folder / "out.rsml").read_bytes())
+        # a day of the animation has the roots that are there then, in their hierarchy
+        espalier("run", str(self.folder / "in.rsml"), "--every", "-o", str(self.folder / "day-%d.rsml"))
+        self.assertEqual([[(root.identifier, root.parent, root.points) for root in self.read(f"day-{day}.rsml").roots] for day in (1, 2, 3)],
+                         [[], [("a", None, [(0, 0, 0)]), ("b", 0, [(0, 0, 0), (1, 0, 0)])],
+                          [("a", None, [(0, 0, 0), (0, -1, 0)]), ("b", 0, [(0, 0, 0), (1, 0, 0)])]])
+
+    def test_a_small_plant_far_away_keeps_its_digits(self) -> None:
+        (self.folder / "far.l").write_text("Lsystem: 1\nderivation length: 0\nAxiom: @M(1000000000000,0,0)F(0.5)\nendlsystem\n", encoding="utf-8")
+        espalier("run", str(self.folder / "far.l"), "-o", str(self.folder / "out.rsml"))
+        self.assertEqual(self.read("out.rsml").roots[0].points[1], (1e12, 0.5, 0.0))
+
+    def test_roots_without_a_length_are_named(self) -> None:
+        point = '<geometry><polyline><point x="1" y="2"/></polyline></geometry>'
+        (self.folder / "in.rsml").write_text(f'<rsml><scene><plant>\n<root ID="a">{point}</root></plant></scene></rsml>', encoding="utf-8")
+        said = espalier("run", str(self.folder / "in.rsml"), "-o", str(self.folder / "out.png"), status=1).stderr
+        self.assertRegex(" ".join(said.split()), r"^error: .*in.rsml: its roots have no length, so there is nothing to draw. Give a file with two points of "
+                                                 "at least one root$")
+        self.assertFalse((self.folder / "out.png").exists())
+        line = '<geometry><polyline><point x="1" y="2"/><point x="1" y="0"/></polyline></geometry>'
+        (self.folder / "in.rsml").write_text(f'<rsml><scene><plant>\n<root ID="a">{point}</root>\n<root ID="b">{line}</root></plant></scene></rsml>',
+                                             encoding="utf-8")
+        said = espalier("run", str(self.folder / "in.rsml"), "-o", str(self.folder / "out.png")).stderr
+        self.assertIn("in.rsml': 1 root has a single point or no length and is not drawn: line 2", " ".join(said.split()))
+
     def test_days_keep_their_fractions_and_first_points_their_values(self) -> None:
         def root(name: str, place: float, days: Tuple[float, ...], inside: str = "", node: str = "") -> str:
             points = "".join(f'<point x="{place}" y="{-i}"/>' for i in range(len(days)))

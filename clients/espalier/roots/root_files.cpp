@@ -116,6 +116,11 @@ void numberAxes(RootSystem& roots) {
 
 }  // namespace
 
+bool RootSystem::hasLines() const {
+  return std::ranges::any_of(
+      nodes, [&](const Node& node) { return node.parent != kNone && !(nodes[node.parent].place == node.place); });
+}
+
 tl::expected<RootSystem, std::string> readRootTable(std::string_view text) {
   std::map<std::string, std::size_t, std::less<>> columns;
   std::vector<TableNode> rows;
@@ -247,7 +252,7 @@ tl::expected<RootSystem, std::string> joinSeries(std::vector<DatedRoots> series)
     node.emergence = firstDays.at({node.place.x, node.place.y, node.place.z});
   }
   // its first point comes with its first segment
-  for (turtle::RsmlLabels::Root& axis : last.axes) {
+  for (RootSystem::Axis& axis : last.axes) {
     axis.firstDay = std::numeric_limits<double>::quiet_NaN();
   }
   return last;
@@ -270,13 +275,19 @@ std::optional<std::string> convertTo(RootSystem& roots, const std::string& unit)
            "'. Write its lengths in m, dm, cm, mm, um, nm or inch, and those of the world (lengthUnit) in m, dm, cm or "
            "mm";
   }
-  const double factor = *from / *to;
+  // one unit is a whole number of the other but for inches; a division by it rounds once, so 7 cm are 0.07 m
+  const bool isSmaller = *from < *to;
+  double ratio = isSmaller ? *to / *from : *from / *to;
+  const double whole = std::round(ratio);
+  ratio = std::abs(ratio - whole) < 1e-9 * whole ? whole : ratio;
+  const auto convert = [&](double& length) { length = isSmaller ? length / ratio : length * ratio; };
   for (RootSystem::Node& node : roots.nodes) {
-    node.place = node.place * factor;
-    node.radius *= factor;
+    for (double* const length : {&node.place.x, &node.place.y, &node.place.z, &node.radius}) {
+      convert(*length);
+    }
   }
-  for (turtle::RsmlLabels::Root& axis : roots.axes) {
-    axis.firstDiameter *= factor;
+  for (RootSystem::Axis& axis : roots.axes) {
+    convert(axis.firstDiameter);
   }
   roots.unit = unit;
   return std::nullopt;

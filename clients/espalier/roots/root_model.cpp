@@ -55,10 +55,10 @@ Appearance appearanceOf(const RootSystem& roots) {
   return appearance;
 }
 
-/// The string that draws the roots, and the labels of its lines when they are wanted; with `appearance` a segment that
-/// comes later is a module that waits for its step: W(steps,x,y,z,diameter,length,age,order), or V(steps,age,order)
-/// without a length.
-std::string textOf(const RootSystem& roots, const Appearance& appearance, turtle::RsmlLabels* labels = nullptr) {
+/// The string that draws the roots, and the nodes at which its lines end when they are wanted; with `appearance` a
+/// segment that comes later is a module that waits for its step: W(steps,x,y,z,diameter,length,age,order), or
+/// V(steps,age,order) without a length.
+std::string textOf(const RootSystem& roots, const Appearance& appearance, std::vector<std::uint32_t>* lines = nullptr) {
   const auto& nodes = roots.nodes;
   std::vector<std::vector<std::uint32_t>> children(nodes.size());
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
@@ -117,8 +117,8 @@ std::string textOf(const RootSystem& roots, const Appearance& appearance, turtle
       // the steps that are left make it as old as it is at the end
       const double known = std::isnan(nodes[child].emergence) ? 0.0 : last - nodes[child].emergence;
       const double age = appearance.step.empty() ? known : known - static_cast<double>(appearance.last - step);
-      if (labels != nullptr && length > 0.0) {
-        labels->pieces.push_back({.root = nodes[child].axis, .step = step, .day = nodes[child].emergence});
+      if (lines != nullptr && length > 0.0) {
+        lines->push_back(child);
       }
       if (step == 0) {
         if (length > 0.0) {
@@ -142,10 +142,50 @@ std::string textOf(const RootSystem& roots, const Appearance& appearance, turtle
 
 turtle::RsmlLabels labelsOf(const RootSystem& roots) {
   turtle::RsmlLabels labels;
-  if (!roots.axes.empty()) {
-    textOf(roots, appearanceOf(roots), &labels);
-    labels.plants = roots.plants;
-    labels.roots = roots.axes;
+  if (roots.axes.empty()) {
+    return labels;
+  }
+  const auto& nodes = roots.nodes;
+  const Appearance appearance = appearanceOf(roots);
+  labels.plants = roots.plants;
+  for (const RootSystem::Axis& axis : roots.axes) {
+    labels.roots.push_back({.id = axis.id,
+                            .label = axis.label,
+                            .plant = axis.plant,
+                            .parent = axis.parent,
+                            .parentNode = axis.parentNode,
+                            .points = {}});
+    if (!axis.hasFirstNode) {
+      labels.roots.back().points.push_back(
+          {.place = {}, .diameter = axis.firstDiameter, .day = axis.firstDay, .step = 0});
+    }
+  }
+  std::vector<std::size_t> pointOf(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    auto& points = labels.roots[nodes[i].axis].points;
+    pointOf[i] = points.size();
+    points.push_back(
+        {.place = nodes[i].place,
+         .diameter = nodes[i].hasDiameter ? 2.0 * nodes[i].radius : std::numeric_limits<double>::quiet_NaN(),
+         .day = nodes[i].emergence,
+         .step = appearance.step.empty() ? 0 : appearance.step[i]});
+  }
+  // first points that are those of parents, which come first
+  for (std::size_t i = 0; i < roots.axes.size(); ++i) {
+    auto& points = labels.roots[i].points;
+    if (!roots.axes[i].hasFirstNode) {
+      const turtle::RsmlLabels::Point& joint = labels.roots[roots.axes[i].parent].points[roots.axes[i].parentNode];
+      points.front().place = joint.place;
+      points.front().step = points.size() > 1 ? points[1].step : joint.step;
+    }
+    if (points.size() > 1 && std::isnan(points.front().day)) {
+      points.front().day = points[1].day;
+    }
+  }
+  std::vector<std::uint32_t> lines;
+  textOf(roots, appearance, &lines);
+  for (const std::uint32_t node : lines) {
+    labels.pieces.push_back({.root = nodes[node].axis, .point = pointOf[node]});
   }
   return labels;
 }

@@ -24,13 +24,28 @@ struct RootSystem {
     double radius = 0.0;
     std::uint32_t order = 1;  // 1: an axis that begins at a collar
     std::uint32_t axis = 0;   // number of the axis that the segment to the parent belongs to
+    bool hasDiameter = true;  // false: the file gives none, and the radius is 0
     double emergence = std::numeric_limits<double>::quiet_NaN();  // day; not a number: unknown
+  };
+  /// What a file says of an axis beside its nodes.
+  struct Axis {
+    std::string id, label;         // empty: none
+    std::uint32_t plant = 0;       // index of plants
+    std::uint32_t parent = kNone;  // an earlier axis from which it grows; kNone: none
+    std::size_t parentNode = 0;    // point of that axis
+    bool hasFirstNode = true;      // false: its first point is that of the parent, and has no node of its own
+    // of its first point; not a number: unknown
+    double firstDiameter = std::numeric_limits<double>::quiet_NaN();
+    double firstDay = std::numeric_limits<double>::quiet_NaN();
   };
   std::vector<Node> nodes;
   std::vector<turtle::RsmlLabels::Plant> plants;  // of the file; empty: not known
-  std::vector<turtle::RsmlLabels::Root> axes;     // by number, with what a node does not hold; empty: not known
+  std::vector<Axis> axes;                         // by number; empty: not known
   std::string unit;                               // of lengths; empty: unknown
   std::string remark;                             // what could not be read as the file says it; empty: nothing
+
+  /// Whether there is something to draw.
+  [[nodiscard]] bool hasLines() const;
 };
 
 /// Files with larger coordinates are refused: lengths between them could not be computed.

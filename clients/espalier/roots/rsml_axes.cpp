@@ -25,34 +25,46 @@ class AxisJoin {
     std::vector<std::vector<std::uint32_t>> nodesOf(axes_.size());
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       RsmlAxis& axis = axes_[i];
-      roots.axes.push_back({.id = std::move(axis.id), .label = std::move(axis.label), .plant = axis.plant});
-      roots.axes.back().firstDiameter = axis.diameters.empty() ? kUnknown : axis.diameters.front();
-      roots.axes.back().firstDay = axis.emergences.empty() ? kUnknown : axis.emergences.front();
+      RootSystem::Axis& known = roots.axes.emplace_back();
+      known.id = std::move(axis.id);
+      known.label = std::move(axis.label);
+      known.plant = axis.plant;
+      known.firstDiameter = axis.diameters.empty() ? kUnknown : axis.diameters.front();
+      known.firstDay = axis.emergences.empty() ? kUnknown : axis.emergences.front();
+      bool hasLength = false;
       const bool isLateral = axis.parent != std::string::npos && !nodesOf[axis.parent].empty() && !axis.points.empty();
       for (std::size_t k = 0; k < axis.points.size(); ++k) {
         RootSystem::Node node;
         node.place = axis.points[k];
         node.order = axis.order;
         node.axis = static_cast<std::uint32_t>(i);
-        node.radius = axis.diameters.empty() || std::isnan(axis.diameters[k]) ? 0.0 : 0.5 * axis.diameters[k];
+        node.hasDiameter = !axis.diameters.empty() && !std::isnan(axis.diameters[k]);
+        node.radius = node.hasDiameter ? 0.5 * axis.diameters[k] : 0.0;
         if (!axis.emergences.empty()) {
           node.emergence = axis.emergences[k];
         }
         if (k == 0 && isLateral) {
-          node.parent = joinOf(roots, axis, nodesOf[axis.parent]);
+          known.parent = static_cast<std::uint32_t>(axis.parent);
+          known.parentNode = joinOf(roots, axis, nodesOf[axis.parent]);
+          node.parent = nodesOf[axis.parent][known.parentNode];
           noteGap(roots, axis, nodesOf[axis.parent], core::length(roots.nodes[node.parent].place - node.place));
           if (roots.nodes[node.parent].place == node.place) {
             // the lateral begins at the point itself
+            known.hasFirstNode = false;
             nodesOf[i].push_back(node.parent);
             continue;
           }
         } else if (k > 0) {
           node.parent = nodesOf[i].back();
         }
+        hasLength = hasLength || (node.parent != RootSystem::kNone && !(roots.nodes[node.parent].place == node.place));
         nodesOf[i].push_back(static_cast<std::uint32_t>(roots.nodes.size()));
         roots.nodes.push_back(node);
       }
       isEmpty_.push_back(axis.points.empty());
+      if (!axis.points.empty() && !hasLength && withoutLength_++ == 0) {
+        firstWithoutLength_ = axis.line;
+      }
       axis.points = {};
       axis.diameters = {};
       axis.emergences = {};
@@ -69,6 +81,12 @@ class AxisJoin {
                       : " roots have no points of a polyline and are left out: line ") +
           std::to_string(axes_[static_cast<std::size_t>(std::ranges::find(isEmpty_, true) - isEmpty_.begin())].line);
     }
+    if (withoutLength_ > 0) {
+      roots.remark += (roots.remark.empty() ? "" : "; ") + std::to_string(withoutLength_) +
+                      (withoutLength_ == 1 ? " root has a single point or no length and is not drawn: line "
+                                           : " roots have a single point or no length and are not drawn: line ") +
+                      std::to_string(firstWithoutLength_);
+    }
     if (gaps_ > 0) {
       roots.remark +=
           (roots.remark.empty() ? "" : "; ") + std::to_string(gaps_) +
@@ -83,13 +101,13 @@ class AxisJoin {
   }
 
  private:
-  /// The node of an axis from which a lateral grows.
-  [[nodiscard]] std::uint32_t joinOf(const RootSystem& roots, const RsmlAxis& lateral,
-                                     const std::vector<std::uint32_t>& nodesOfParent) {
+  /// The point of an axis from which a lateral grows.
+  [[nodiscard]] std::size_t joinOf(const RootSystem& roots, const RsmlAxis& lateral,
+                                   const std::vector<std::uint32_t>& nodesOfParent) {
     // -1: unknown
     if (const double wanted = lateral.parentNode.value_or(-1.0); wanted != -1.0) {
       if (wanted >= 0.0 && wanted < static_cast<double>(nodesOfParent.size()) && wanted == std::floor(wanted)) {
-        return nodesOfParent[static_cast<std::size_t>(wanted)];
+        return static_cast<std::size_t>(wanted);
       }
       if (wrongJoins_++ == 0) {
         core::appendNumber(firstWrongJoin_, wanted, core::NumberStyle::Shortest);
@@ -97,16 +115,16 @@ class AxisJoin {
                           ", and the parent has the points 0 to " + std::to_string(nodesOfParent.size() - 1);
       }
     }
-    std::uint32_t best = nodesOfParent.front();
+    std::size_t best = 0;
     looks_ += nodesOfParent.size();
     if (looks_ > kMostLooks) {
       return best;
     }
-    for (const std::uint32_t node : nodesOfParent) {
-      if (core::length(roots.nodes[node].place - lateral.points.front()) <
-          core::length(roots.nodes[best].place - lateral.points.front())) {
-        best = node;
-      }
+    const auto distanceTo = [&](std::size_t point) {
+      return core::length(roots.nodes[nodesOfParent[point]].place - lateral.points.front());
+    };
+    for (std::size_t point = 1; point < nodesOfParent.size(); ++point) {
+      best = distanceTo(point) < distanceTo(best) ? point : best;
     }
     return best;
   }
@@ -128,7 +146,9 @@ class AxisJoin {
   std::vector<bool> isEmpty_;   // has no points (axes_)
   std::size_t wrongJoins_ = 0;  // laterals whose parent-node is not there
   std::string firstWrongJoin_;
-  std::size_t gaps_ = 0;  // laterals that begin away from their parents
+  std::size_t withoutLength_ = 0;
+  std::size_t firstWithoutLength_ = 0;  // line of the first of them
+  std::size_t gaps_ = 0;                // laterals that begin away from their parents
   std::string firstGap_;
   std::uint64_t looks_ = 0;
 };
