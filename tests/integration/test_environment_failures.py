@@ -75,6 +75,25 @@ class Failures(unittest.TestCase):
                                  % (library, does, self.switch), encoding="utf-8")
                 self.goes_wrong_and_on(str(entry), "'misbehaving'", words)
 
+    def test_a_plugin_is_checked_in_a_process_of_its_own(self) -> None:
+        libraries = Path(program()).parents[1] / "lib"
+        found = espalier("environment", "check", str(libraries / "ceiling.so")).stdout
+        self.assertIn("describe: ceiling, needs position", found)
+        self.assertTrue(found.endswith("all is right\n"), found)
+        # with its configuration, in either form
+        for kind in ('"type":"plugin","library":"%s",' % (libraries / "misbehaving.so"), ""):
+            (self.folder / "plugin.json").write_text('{%s"does":"die","in":1,"while":"%s"}' % (kind, self.switch), encoding="utf-8")
+            call = ("environment", "check", str(libraries / "misbehaving.so"), "--configuration", str(self.folder / "plugin.json"))
+            self.assertIn("all is right", espalier(*call).stdout)
+            self.switch.touch()
+            found = espalier(*call, status=1).stdout
+            self.switch.unlink()
+            self.assertRegex(found, "wrong shapes: .*ended")
+        self.assertIn("there is no plug-in 'none.so'", espalier("environment", "check", "none.so", status=1).stderr)
+        (self.folder / "text.so").write_text("no library", encoding="utf-8")
+        found = espalier("environment", "check", str(self.folder / "text.so"), status=1)
+        self.assertIn("text.so", found.stdout)
+
     def scripts(self) -> Dict[str, str]:
         """What each kind of misbehaviour is known by."""
         return {"throw": THREW, "hang": HUNG, "nan": NO_NUMBER, "die": "ended"}

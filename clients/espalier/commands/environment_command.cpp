@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "clients/espalier/commands/commands.h"
+#include "clients/espalier/conformance/program_output.h"
 #include "clients/espalier/environment_words.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/output/field_writing_process.h"
@@ -25,6 +27,8 @@
 
 namespace espalier::command {
 namespace {
+
+namespace fs = std::filesystem;
 
 // the NAME that runs an existing environment program with the published pipe protocol
 constexpr const char* kLegacy = "legacy";
@@ -227,7 +231,32 @@ struct CheckOptions {
   double timeoutSeconds = 60.0;
 };
 
+/// Whether an address is the file of a plug-in: `libceiling.so`, `./ceiling.so.1`.
+bool isPlugin(const std::string& address) {
+  const std::string name = fs::path(address).filename().string();
+  return address.find("://") == std::string::npos && !address.starts_with("stdio:") && !address.starts_with("unix:") &&
+         (name.ends_with(".so") || name.find(".so.") != std::string::npos);
+}
+
+/// The command that serves a plug-in in a process of its own, so that one that dies or hangs ends its check alone.
+std::string servedPlugin(const CheckOptions& options) {
+  const auto quoted = [](const std::string& text) { return conformance::quoted(text); };
+  std::error_code error;
+  return "stdio:" + quoted(fs::read_symlink("/proc/self/exe", error).string()) +
+         " environment plugin --stdio --library " + quoted(options.check.address) +
+         (options.configurationFile.empty() ? "" : " --configuration " + quoted(options.configurationFile));
+}
+
 int checkOther(CheckOptions& options) {
+  const bool isInLibrary = isPlugin(options.check.address);
+  if (isInLibrary) {
+    std::error_code error;
+    if (!fs::is_regular_file(options.check.address, error)) {
+      printError("there is no plug-in '" + options.check.address + "': check the name and the working folder");
+      return kFailure;
+    }
+    options.check.address = servedPlugin(options);
+  }
   std::unique_ptr<server::TraceFileSource> trace;
   if (!options.traceFile.empty()) {
     auto opened = server::TraceFileSource::open(options.traceFile);
@@ -238,7 +267,8 @@ int checkOther(CheckOptions& options) {
     trace = std::move(*opened);
     options.check.trace = trace.get();
   }
-  if (!options.configurationFile.empty()) {
+  // a plug-in gets it when it is made
+  if (!options.configurationFile.empty() && !isInLibrary) {
     auto text = server::DiskFileProvider().read(options.configurationFile);
     if (!text) {
       printError("the configuration file '" + options.configurationFile + "' cannot be read");
@@ -257,20 +287,26 @@ int checkOther(CheckOptions& options) {
 void addCheckOfOther(CLI::App& environment, int& status) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* command =
-      environment.add_subcommand("check", "Test an environment in another process, without a simulation");
+      environment.add_subcommand("check", "Test an environment in another process or a plug-in, without a simulation");
   command->footer(
       "Tests the description, shapes, units, independence of the order of queries, repeatability, numbers that are "
       "not\n"
       "finite, save and restore, and prints a table of latencies. Exit status 0 when every test passes. With --trace "
       "the\n"
-      "environment gets the queries of a recorded run, and its replies are compared with the recorded ones.\n"
+      "environment gets the queries of a recorded run, and its replies are compared with the recorded ones. A plug-in "
+      "is\n"
+      "called in a process of its own.\n"
       "  espalier environment check 'stdio:python3 light.py'\n"
+      "  espalier environment check ./libceiling.so\n"
       "  espalier derive tree.l --environment old.json --trace tree.trace\n"
       "  espalier environment check tcp://127.0.0.1:4000 --trace tree.trace");
-  command->add_option("ADDRESS", options->check.address, "tcp://HOST:PORT or stdio:COMMAND")->required();
+  command
+      ->add_option("ADDRESS", options->check.address,
+                   "tcp://HOST:PORT, unix:PATH, stdio:COMMAND, or the file of a plug-in (.so)")
+      ->required();
   command->add_option("--trace", options->traceFile, "Trace file that derive, run or a server recorded");
   command->add_option("--configuration", options->configurationFile,
-                      "JSON file with the configuration for environment.open");
+                      "JSON file with the configuration for environment.open, or of the plug-in");
   command
       ->add_option("--timeout", options->timeoutSeconds,
                    "Longest time for a step, in seconds; for the first answer at most 20")

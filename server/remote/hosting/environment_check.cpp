@@ -168,8 +168,8 @@ class Checker {
       link_ = ChannelLink::stdio(address.substr(kStdio.size()), channel);
     } else {
       bad("'" + address +
-          "' does not name an environment in another process. Write tcp://HOST:PORT, unix:PATH or "
-          "stdio:COMMAND.");
+          "' does not name an environment in another process. Write tcp://HOST:PORT, unix:PATH, stdio:COMMAND, or "
+          "the file of a plug-in (.so). `espalier environment NAME --describe` describes a built-in environment.");
       return false;
     }
     RemoteProcessOptions options;

@@ -1,12 +1,13 @@
 // A plug-in in C++ that misbehaves in a step that its configuration names, as long as a file is there:
 //   {"does": "throw", "in": 2, "while": "/path/of/a/file"}
-// `does` is throw, throwNothing, hang, nan or fail. Otherwise it answers the number of steps that it has made, its
+// `does` is throw, throwNothing, hang, nan, fail or die. Otherwise it answers the number of steps that it has made, its
 // state.
 
 #include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
@@ -62,6 +63,9 @@ int step(void* instance, const espalier_queries* queries, espalier_replies* repl
   ++self.steps;
   if (misbehaves && self.does == "throw") {
     throw std::runtime_error("the well is dry");
+  }
+  if (misbehaves && self.does == "die") {
+    std::abort();
   }
   if (misbehaves && self.does == "throwNothing") {
     throw 7;
