@@ -2,7 +2,7 @@
 
 Written from the description of the format in Godin & Caraglio, J. theor. Biol. 191 (1998), and in the manual of AMAPmod:
 columns are separated by tabs; `^` goes on from the last entity of its own column, another code from the last entity of the
-column to its left; `/` begins a part of the entity before it, `<` follows and `+` branches off at the scale of the class.
+column to its left; `#` begins a comment; `/` begins a part of the entity before it, `<` follows and `+` branches off at the scale of the class.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ class MtgFile:
     """The sections of a file; `entities` in their order."""
 
     def __init__(self, text: str) -> None:
-        lines = text.split("\n")
+        # a comment may stand anywhere
+        lines = [line.split("#")[0] for line in text.split("\n")]
         assert lines[0].split("\t") == ["CODE:", "FORM-A"], lines[0]
         self.scales = {row[0]: int(row[1]) for row in self._table(lines, "CLASSES:")}
         self.edges = {(row[0], row[1], row[2]) for row in self._table(lines, "DESCRIPTION:")}

@@ -258,6 +258,9 @@ class Terrain(unittest.TestCase):
                               (whole.replace(struct.pack("<HHIH", 258, 3, 1, 32), struct.pack("<HHIH", 258, 3, 1, 24)), "has numbers of a kind that is not read"),
                               (whole.replace(struct.pack("<HHII", 273, 4, 1, 8), struct.pack("<HHII", 273, 4, 1, 2 ** 31)), "is damaged or cut short")):
             self.assertIn(says, self.refusal(content))
+        # the keys are the last part of the file: without them the unit would be lost in silence
+        for cut in (1, 16, 31, 33, 60):
+            self.assertIn("is damaged or cut short: what it says of its place and unit is not there. Get a complete copy", self.refusal(whole[:-cut]))
 
     def test_wrong_configurations_are_refused_in_one_sentence(self) -> None:
         self.write("hills.tif", geotiff(hills()))

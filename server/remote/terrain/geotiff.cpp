@@ -21,6 +21,7 @@
 #include "engine/files/length_unit.h"
 #include "server/remote/terrain/height_band.h"
 #include "server/remote/terrain/memory_file.h"
+#include "server/remote/terrain/tiff_tags.h"
 
 namespace espalier::server {
 
@@ -383,6 +384,10 @@ tl::expected<Terrain, std::string> readGeoTiff(std::string_view bytes) {
   if (!functions) {
     return tl::unexpected(
         std::string("needs the library libgeotiff, which is not installed. Install libgeotiff5 (Debian)"));
+  }
+  if (!hasWholeGeoTags(bytes)) {
+    return tl::unexpected(
+        std::string("is damaged or cut short: what it says of its place and unit is not there. Get a complete copy"));
   }
   return GeoTiff(*functions, bytes).read();
 }

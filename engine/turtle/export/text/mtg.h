@@ -16,6 +16,11 @@ namespace espalier::turtle {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
 }
 
+/// FORM-A has no mark at its end. A file of writeMtg() has this comment in its second line and ends with the other, so
+/// that a copy that was cut is known.
+inline constexpr std::string_view kMtgPromise = "# Espalier: the last line is '# end'";
+inline constexpr std::string_view kMtgEnd = "# end";
+
 /// Writes a multiscale tree graph (Godin & Caraglio 1998) in the text form FORM-A of AMAPmod and OpenAlea: plants at
 /// scale 1, axes at scale 2 (class A, or a free letter), at scale 3 an entity for every module whose symbol begins with
 /// a letter, joined by `<` along an axis; the axis of a branch is joined by `+`. Features of an entity: `Text`, the
@@ -40,8 +45,8 @@ struct MtgStrings {
 /// by `+`. An entity with a feature `Text` is that text. Another is its class with numbers as parameters: those of the
 /// numeric features that any entity of its class has, 0 where it has none itself (an empty cell, `NA` or `NaN`), so
 /// that all modules of a class have the same parameters. What is no number in a column of numbers is an error. `E1<<E5`
-/// is a series of entities; of an entity that was observed several times (lines of `*`) the last numbers count. An
-/// error is "LINE: what is wrong".
+/// is a series of entities; of an entity that was observed several times (lines of `*`) the last numbers count. A file
+/// that promises its end (kMtgPromise) must have it. An error is "LINE: what is wrong".
 [[nodiscard]] std::variant<MtgStrings, std::string> readMtg(std::string_view text);
 
 }  // namespace espalier::turtle

@@ -367,6 +367,9 @@ std::variant<MtgStrings, std::string> MtgReader::read() {
     std::string_view line = text_.substr(0, end);
     text_.remove_prefix(end == std::string_view::npos ? text_.size() : end + 1);
     ++line_;
+    const std::string_view whole = trimmed(line);
+    promisesEnd_ = promisesEnd_ || whole == kMtgPromise;
+    hasEnd_ = whole.empty() ? hasEnd_ : whole == kMtgEnd;
     line = line.substr(0, line.find('#'));
     if (trimmed(line).empty()) {
       continue;
@@ -377,6 +380,9 @@ std::variant<MtgStrings, std::string> MtgReader::read() {
   }
   if (vertices_.empty()) {
     return problem("the file has no entities: it is no MTG, or ends before its section MTG");
+  }
+  if (promisesEnd_ && !hasEnd_) {
+    return problem("the file was cut: its last line is not '# end', as its head says. Get a complete copy");
   }
   chooseParameters();
   return strings();

@@ -61,6 +61,8 @@ class MtgReader {
   std::size_t line_ = 0;
   Section section_ = Section::None;
   bool hasHeader_ = false;                 // of the section
+  bool promisesEnd_ = false;               // its head says that the last line is kMtgEnd
+  bool hasEnd_ = false;                    // it is, so far
   bool hasText_ = false;                   // a feature is the text of a module
   std::map<std::string, int> scales_;      // by class
   std::map<std::string, bool> isNumeric_;  // by feature

@@ -90,6 +90,7 @@ class MtgWriter {
   void writeHead();
   void add(const VisitedModule& module);
   void finishPlant();
+  void writeEnd() { out_ << kMtgEnd << '\n'; }
 
  private:
   void writeEntity(const std::string& entityClass, const VisitedModule* module);
@@ -116,10 +117,11 @@ class MtgWriter {
 };
 
 void MtgWriter::writeHead() {
-  out_
-      << "CODE:\tFORM-A\n\nCLASSES:\nSYMBOL\tSCALE\tDECOMPOSITION\tINDEXATION\tDEFINITION\n$\t0\tFREE\tFREE\tIMPLICIT\n"
-      << plan_.plantClass << "\t1\tFREE\tFREE\tIMPLICIT\n"
-      << plan_.axisClass << "\t2\tFREE\tFREE\tIMPLICIT\n";
+  out_ << "CODE:\tFORM-A\n"
+       << kMtgPromise
+       << "\n\nCLASSES:\nSYMBOL\tSCALE\tDECOMPOSITION\tINDEXATION\tDEFINITION\n$\t0\tFREE\tFREE\tIMPLICIT\n"
+       << plan_.plantClass << "\t1\tFREE\tFREE\tIMPLICIT\n"
+       << plan_.axisClass << "\t2\tFREE\tFREE\tIMPLICIT\n";
   std::vector<std::string> classes(plan_.classes.begin(), plan_.classes.end());
   classes.push_back(plan_.anchorClass);
   for (const std::string& name : classes) {
@@ -276,6 +278,9 @@ std::optional<std::string> writeMtg(const ExportInput& input, const ExportTarget
   const auto problem =
       walkStrings(input, target.progress, [&writer](const VisitedModule& module) { writer.add(module); });
   writer.finishPlant();
+  if (!problem) {
+    writer.writeEnd();
+  }
   return problem;
 }
 

@@ -45,12 +45,32 @@ std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
+TEST(Mtg, ACopyThatWasCutIsRefused) {
+  TurtleRun run("F(2)[+(90)F(1)L]F(3)");
+  const std::string mtg = written(run, "mtg");
+  ASSERT_TRUE(mtg.ends_with("\n# end\n"));
+  const std::size_t head = mtg.find("MTG:\n");
+  std::size_t refused = 0;
+  for (std::size_t size = head; size + 1 < mtg.size(); ++size) {
+    const std::string said = read(mtg.substr(0, size)).front();
+    refused += said.find("the file was cut: its last line is not '# end', as its head says. Get a complete copy") !=
+                       std::string::npos
+                   ? 1
+                   : 0;
+    ASSERT_NE(said.find(": "), std::string::npos) << said;
+  }
+  EXPECT_GT(refused, 100U);
+  // the last line is whole without its end, or with that of another system
+  EXPECT_EQ(read(mtg.substr(0, mtg.size() - 1)), std::vector<std::string>{"F(2)[+(90)F(1)L]F(3)"});
+  EXPECT_EQ(read(mtg.substr(0, mtg.size() - 1) + "\r\n\n"), std::vector<std::string>{"F(2)[+(90)F(1)L]F(3)"});
+}
+
 TEST(Mtg, TopologyIsAsTheBranchesAre) {
   TurtleRun run("F(2)[+(90)F(1)L]F(3)");
   const std::string mtg = written(run, "mtg");
   const std::size_t begin = mtg.find("MTG:\n");
   const auto lines = linesOf(mtg.substr(begin));
-  ASSERT_EQ(lines.size(), 7U);
+  ASSERT_EQ(lines.size(), 8U);
   EXPECT_EQ(lines[1],
             "ENTITY-CODE\t\t\tText\tModule\tXX\tYY\tZZ\tHX\tHY\tHZ\tDiameter\tColor\tOrder\tLength\tParent\tTime\tP1");
   EXPECT_EQ(lines[2], "/P1/A1");
