@@ -58,7 +58,7 @@ class Derivation::Implementation {
     context_.options.hasSeed = true;
   }
   void rewind(PlantState& state, const ModuleString* start);
-  void derive(PlantState& state, StepChanges* changes, ProductionCounts* counts);
+  void derive(PlantState& state, StepChanges* changes, ProductionCounts* counts, ModuleOrigins* origins);
   void deriveRecorded(PlantState& state, ModuleRecord& record);
   void ownParameters(PlantState& state) { context_.rotation.ownParameters(state.string); }
   void beginInterpretation(PlantState& state);
@@ -86,26 +86,35 @@ void Derivation::Implementation::attach(PlantState& state, std::uint64_t step, s
   calls_.begin();
 }
 
-void Derivation::Implementation::derive(PlantState& state, StepChanges* changes, ProductionCounts* counts) {
+void Derivation::Implementation::derive(PlantState& state, StepChanges* changes, ProductionCounts* counts,
+                                        ModuleOrigins* origins) {
   ESPALIER_CHECK(!state.instances.empty());
   // homomorphism does not count
   struct Counting {
     ScanContext& context;
     ~Counting() {
       context.isCounted = false;
+      context.origins = nullptr;
       context.rewriter.setCounts(nullptr);
     }
   };
   context_.isCounted = counts != nullptr;
+  context_.origins = origins;
   context_.rewriter.setCounts(counts);
   const Counting counting{context_};
   if (changes != nullptr) {
     changes->clear();
   }
   context_.changes = changes;
+  if (origins != nullptr) {
+    origins->clear();
+  }
   backup_.save(state);
   try {
     runStep(state);
+    if (origins != nullptr) {
+      origins->complete(state.string.size());
+    }
   } catch (const std::bad_alloc&) {
     backup_.restore(state);
     context_.output.clear();
@@ -157,7 +166,7 @@ void Derivation::Implementation::deriveRecorded(PlantState& state, ModuleRecord&
   };
   context_.record = &record;
   const Recording recording{context_};
-  derive(state, nullptr, nullptr);
+  derive(state, nullptr, nullptr, nullptr);
 }
 
 void Derivation::Implementation::rewind(PlantState& state, const ModuleString* start) {
@@ -215,8 +224,8 @@ void Derivation::setSeed(std::uint64_t seed) {
 void Derivation::rewind(PlantState& state, const ModuleString* start) {
   implementation_->rewind(state, start);
 }
-void Derivation::derive(PlantState& state, StepChanges* changes, ProductionCounts* counts) {
-  implementation_->derive(state, changes, counts);
+void Derivation::derive(PlantState& state, StepChanges* changes, ProductionCounts* counts, ModuleOrigins* origins) {
+  implementation_->derive(state, changes, counts, origins);
 }
 void Derivation::ownParameters(PlantState& state) {
   implementation_->ownParameters(state);

@@ -8,6 +8,7 @@
 #include "engine/core/limits.h"
 #include "engine/core/streams.h"
 #include "engine/derivation/production_counts.h"
+#include "engine/derivation/state/module_origins.h"
 #include "engine/derivation/state/plant_state.h"
 #include "engine/derivation/state/step_changes.h"
 #include "engine/language/program.h"
@@ -50,8 +51,10 @@ class Derivation {
   /// decomposition, EndEach, and End in the last step. A failure leaves `state` as it was before the call. `changes`
   /// (null: not wanted) receives the parts of the string that the step left as they were. The step adds to `counts`
   /// (null: not wanted) how often it applied each production; it then takes no shortcut and is slower. After a failure
-  /// `counts` has the applications before the failure.
-  void derive(PlantState& state, StepChanges* changes = nullptr, ProductionCounts* counts = nullptr);
+  /// `counts` has the applications before the failure. `origins` (null: not wanted) receives which modules continue
+  /// which, which is slower, too.
+  void derive(PlantState& state, StepChanges* changes = nullptr, ProductionCounts* counts = nullptr,
+              ModuleOrigins* origins = nullptr);
 
   /// Gives the parameters of the string memory that no view shares, before answers are written into them.
   void ownParameters(PlantState& state);

@@ -170,6 +170,7 @@ Simulation::Implementation::Outcome Simulation::Implementation::resume(SnapshotC
       answerQueries();
     }
     productions_.goTo(completedSteps_);
+    ages_.goTo(population_.states(), ModuleAges::kUnknown);
     return std::nullopt;
   } catch (const core::SimulationFailure& failure) {
     goBack();

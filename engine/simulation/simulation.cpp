@@ -187,6 +187,12 @@ void Simulation::countProductions(bool isWanted) {
 std::shared_ptr<const ProductionUses> Simulation::productionUses() const {
   return implementation_->productionUses();
 }
+void Simulation::followAges(bool isWanted) {
+  implementation_->followAges(isWanted);
+}
+std::span<const std::uint64_t> Simulation::moduleBirths(std::size_t plant) const {
+  return implementation_->ages().births(plant);
+}
 
 Outcome Simulation::visitModules(
     const std::function<void(const turtle::TurtleRecord&, std::uint64_t first)>& visit) const {

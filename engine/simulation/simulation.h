@@ -190,6 +190,15 @@ class Simulation {
   /// At the present step. Null: not counted. Other threads may read it, as long as the Programs live.
   [[nodiscard]] std::shared_ptr<const ProductionUses> productionUses() const;
 
+  /// Whether the steps from now on note which modules continue which (derivation::ModuleOrigins). They take no
+  /// shortcuts then, as with countProductions(), and the simulation keeps 16 bytes a module. Call it before rewind() or
+  /// restore().
+  void followAges(bool isWanted);
+  /// By module of the plant's string: the step in which it came; kUnknownBirth: before a snapshot that was restored.
+  /// Empty: not followed. Valid until the next step.
+  static constexpr std::uint64_t kUnknownBirth = ~std::uint64_t{0};
+  [[nodiscard]] std::span<const std::uint64_t> moduleBirths(std::size_t plant) const;
+
   /// Hash of the complete state: strings, variables, random streams, environment.
   [[nodiscard]] std::uint64_t stateHash() const;
   /// Hash of the plants alone: strings, variables, random streams. The environment is not asked.

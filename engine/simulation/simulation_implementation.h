@@ -23,6 +23,7 @@
 #include "engine/simulation/step/change_log.h"
 #include "engine/simulation/step/derivation_pass.h"
 #include "engine/simulation/step/environment_link.h"
+#include "engine/simulation/step/module_ages.h"
 #include "engine/simulation/step/production_log.h"
 #include "engine/simulation/step/step_transaction.h"
 
@@ -46,6 +47,8 @@ class Simulation::Implementation {
   void followChanges(bool isWanted) { changes_.follow(ChangeReader::Views, isWanted); }
   void countProductions(bool isWanted) { productions_.follow(isWanted, completedSteps_); }
   [[nodiscard]] std::shared_ptr<const ProductionUses> productionUses() const { return productions_.uses(); }
+  void followAges(bool isWanted) { ages_.follow(isWanted, population_.states()); }
+  [[nodiscard]] const ModuleAges& ages() const { return ages_; }
   [[nodiscard]] std::uint64_t stateHash() const;
   [[nodiscard]] std::uint64_t plantsHash() const;
   void save(core::ByteSink& sink) const;
@@ -111,6 +114,7 @@ class Simulation::Implementation {
   StepTransaction transaction_;
   ChangeLog changes_;
   ProductionLog productions_;
+  ModuleAges ages_;
   std::uint64_t viewNumber_ = 0;                          // of the last view
   std::shared_ptr<const SimulationOptions> viewOptions_;  // of the views; null: they have changed since
   BirthsAndDeaths births_;

@@ -59,7 +59,7 @@ Simulation::Implementation::Implementation(Programs programs, std::vector<PlantO
                                     .environment = environment_,
                                     .drawing = drawing_,
                                     .statistics = statistics_}),
-      derivationPass_(options_, messages_, population_, transaction_, productions_) {}
+      derivationPass_(options_, messages_, population_, transaction_, productions_, ages_) {}
 
 // A step. Each part before the completion can fail: undoStep then takes the step back. Only replies that have arrived
 // from the environment are kept for the next try.
@@ -189,6 +189,9 @@ void Simulation::Implementation::completeStep() {
   }
   transaction_.commit();
   births_.complete(population_, transaction_, completedSteps_, statistics_);
+  if (ages_.isFollowed()) {
+    ages_.complete(population_.states(), completedSteps_);
+  }
   worldVariables_.set(population_, options_.world, completedSteps_);
   countStrings();
 }
@@ -284,6 +287,7 @@ void Simulation::Implementation::begin() {
   transaction_ = StepTransaction(population_.size());
   completedSteps_ = 0;
   productions_.goTo(0);
+  ages_.goTo(population_.states(), 0);
   isStarted_ = true;
   statistics_ = StepStatistics{};
   countStrings();

@@ -6,6 +6,7 @@ import csv
 import importlib.util
 import math
 import re
+import shutil
 import tempfile
 import unittest
 import xml.etree.ElementTree as ElementTree
@@ -87,6 +88,23 @@ class ForParaView(unittest.TestCase):
             # F(l,w) has two parameters
             self.assertTrue(all(math.isnan(value) for value in arrays["parameter3"]))
 
+    def test_cells_have_the_age_of_their_module(self) -> None:
+        (self.folder / "age.l").write_text("Lsystem: 1\nderivation length: 3\nAxiom: A\nA --> I(1)[+(40)A]A\nI(l) --> I(l+1)\nhomomorphism\n"
+                                           "I(l) --> F(l)\nendlsystem\n", encoding="utf-8")
+        for more, ages in (((), lambda length, step: length - 1.0), (("--resume", str(self.folder / "rest.snapshot")), lambda length, step: math.nan)):
+            call = more or (str(self.folder / "age.l"), "-o", str(self.folder / "rest.snapshot"), "--every")
+            espalier("run", *call, "-o", str(self.folder / "age.vtp"), "--quiet")
+            for step in (1, 2, 3) if not more else (3,):
+                lengths = set()
+                for arrays in vtp_pieces(self.folder / ("age.vtp" if more else f"age-000{step}.vtp")):
+                    for age, length in zip(arrays["age"], arrays["parameter1"]):
+                        expected = ages(length, step)
+                        self.assertTrue(age == expected or math.isnan(age) and math.isnan(expected), (age, length))
+                        lengths.add(length)
+                self.assertEqual(lengths, set(range(1, step + 1)))
+            if not more:
+                shutil.copy(self.folder / "rest-0003.snapshot", self.folder / "rest.snapshot")
+
     def symbols(self) -> List[str]:
         text = (self.folder / "m.vtp").read_text(encoding="utf-8")
         found = re.search(r'Name="symbols"[^>]*>([^<]*)<', text)
@@ -128,7 +146,8 @@ class ForParaView(unittest.TestCase):
         for cell in range(grids[0].GetNumberOfCells()):
             self.assertEqual(*(grid.GetCellType(cell) for grid in grids))
             self.assertEqual(*([grid.GetCell(cell).GetPointId(k) for k in range(grid.GetCell(cell).GetNumberOfPoints())] for grid in grids))
-        for name in ("module", "order", "parameter1"):
+        self.assertEqual({grids[0].GetCellData().GetArray("age").GetTuple1(i) for i in range(grids[0].GetNumberOfCells())}, {0.0, 1.0})
+        for name in ("module", "order", "age", "parameter1"):
             self.assertEqual(*([grid.GetCellData().GetArray(name).GetTuple1(i) for i in range(grid.GetNumberOfCells())] for grid in grids))
 
     def test_a_series_lists_every_step_of_the_plant_and_of_the_soil(self) -> None:

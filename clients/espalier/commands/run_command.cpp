@@ -96,13 +96,19 @@ void explainNothingToDo(const simulation::Simulation& simulation, std::optional<
   printNote(sentence);
 }
 
-// the files that may become a series for ParaView
-std::vector<std::string> seriesFiles(const RunOptions& options) {
+// the files of VTK with what modules know
+std::vector<std::string> meshesOfVtk(const RunOptions& options) {
   std::vector<std::string> files;
   std::ranges::copy_if(options.outputs.files, std::back_inserter(files), [&](const std::string& file) {
     const turtle::ExportFormat* const format = formatOf(options.outputs, file);
     return format != nullptr && (format->suffix == ".vtp" || format->suffix == ".vtu");
   });
+  return files;
+}
+
+// the files that may become a series for ParaView
+std::vector<std::string> seriesFiles(const RunOptions& options) {
+  std::vector<std::string> files = meshesOfVtk(options);
   std::ranges::copy(options.fields.files(), std::back_inserter(files));
   return files;
 }
@@ -310,6 +316,7 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   const std::unique_ptr<simulation::Simulation> begun = begin(*loaded);
   simulation::Simulation& simulation = *begun;
   const TimeLimit time(simulation, model.seconds());
+  simulation.followAges(!meshesOfVtk(options).empty());
   if (const auto failure = resumed ? simulation.restore(resumed->bytes) : simulation.rewind()) {
     printError(formatSimulationError(time.explained(*failure)));
     return kFailure;

@@ -356,7 +356,9 @@ std::optional<std::string> OutputWriter::exportTo(const simulation::Simulation& 
                                                   const turtle::ExportTarget& target) const {
   std::vector<const derivation::ModuleString*> strings;
   std::vector<const language::Program*> programs;
+  std::vector<std::span<const std::uint64_t>> births;
   for (std::size_t plant = 0; plant < simulation.plantCount(); ++plant) {
+    births.push_back(simulation.moduleBirths(plant));
     strings.push_back(&simulation.string(plant));
     programs.push_back(&simulation.program(plant));
   }
@@ -384,6 +386,7 @@ std::optional<std::string> OutputWriter::exportTo(const simulation::Simulation& 
                                   .program = &simulation.program(),
                                   .programs = programs,
                                   .strings = strings,
+                                  .births = births,
                                   .visitModules = visitModules};
   return format.write(input, target);
 }

@@ -23,6 +23,9 @@ class ProducedPieces {
   /// Empties the `count` pieces before the last piece, because a cut removes them. The last piece must be empty.
   void dropBefore(std::uint64_t count);
 
+  /// The modules of a piece, which are counted from the right.
+  [[nodiscard]] std::uint64_t sizeOf(std::size_t piece) const { return endModule(piece) - pieces_[piece].firstModule; }
+
   /// Appends the whole new string to `string`, left to right. O(modules).
   void appendTo(ModuleString& string) const;
 

@@ -24,6 +24,12 @@ void BackwardScan::run() {
     context.rewriter.checkSize(pieces_.modules().size(), pieces_.modules().parameterCount());
   }
   pieces_.appendTo(context.output);
+  std::uint64_t begin = 0;
+  for (std::uint64_t module = 0; context.origins != nullptr && module < old.size(); ++module) {
+    const std::uint64_t end = begin + pieces_.sizeOf(old.size() - 1 - module);
+    context.origins->add(context.program, old, module, module + 1, context.output, begin, end);
+    begin = end;
+  }
 }
 
 }  // namespace espalier::derivation

@@ -20,6 +20,7 @@ void GeneralScan::run() {
     const double draw = drawsEachPosition ? context.random.selection(context.step, place.module) : 0.0;
     rewriter_->rewriteNext(tables, draw, place);
     context.rewriter.checkSize(context.output.size(), context.output.parameterCount());
+    context.noteOrigins(before.module, place.module, module);
     if (context.changes == nullptr) {
       continue;
     }
@@ -45,8 +46,9 @@ bool GeneralScan::isAsItWas(const ScanPlace& begin, const ScanPlace& end, std::u
   }
   const auto values = old.parameters().subspan(begin.offset, end.offset - begin.offset);
   const auto now = made.parameters().subspan(parameter);
-  return std::equal(values.begin(), values.end(), now.begin(), now.end(),
-                    [](double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); });
+  return std::equal(values.begin(), values.end(), now.begin(), now.end(), [](double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+  });
 }
 
 void GeneralScan::note(const KeptModules& kept) {

@@ -6,7 +6,8 @@
 namespace espalier::derivation {
 
 /// Every module in the general way, so that the Rewriter sees every decision: for the record of one module
-/// (Derivation::deriveRecorded), and for the counts of productions. What stays as it was is noted module by module.
+/// (Derivation::deriveRecorded), for the counts of productions, and for the origins
+/// of modules. What stays as it was is noted module by module.
 class GeneralScan {
  public:
   /// Both must outlive the object.

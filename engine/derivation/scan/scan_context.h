@@ -8,6 +8,7 @@
 #include "engine/derivation/expressions/random_source.h"
 #include "engine/derivation/rewriter.h"
 #include "engine/derivation/scan/cut_parts.h"
+#include "engine/derivation/state/module_origins.h"
 #include "engine/derivation/state/plant_state.h"
 #include "engine/derivation/state/step_changes.h"
 #include "engine/derivation/state/string_index.h"
@@ -42,6 +43,13 @@ struct ScanContext {
   /// `parameters` on: notes what is equal at both ends, when somebody wants to know.
   void noteEqualEnds(const ScanPlace& begin, const ScanPlace& end, std::uint64_t modules, std::uint64_t parameters);
 
+  /// The modules `begin` to `end` of the old string have become the modules of the output from `modules` on.
+  void noteOrigins(std::uint64_t begin, std::uint64_t end, std::uint64_t modules) {
+    if (origins != nullptr) {
+      origins->add(program, *old, begin, end, output, modules, output.size());
+    }
+  }
+
   /// Whether the compatible modes draw a selection number at every position of this L-system.
   [[nodiscard]] bool drawsEachPosition(const language::LSystem& system) const {
     return random.isSequential() && system.isStochastic;
@@ -71,6 +79,7 @@ struct ScanContext {
   bool isOutputIndexed = false;       // between steps: `index` is that of `output`
   LeftShortcuts shortcuts;            // in the string that is read, by the rules of the main L-system
   ModuleRecord* record = nullptr;     // of the caller of deriveRecorded, while it runs
+  ModuleOrigins* origins = nullptr;   // which modules continue which is noted here; null: nowhere
   bool isCounted = false;             // the Rewriter counts how often each production is applied
   std::uint64_t scannedModules = 0;   // in all steps so far
 };

@@ -40,7 +40,7 @@ StepScan::Kind StepScan::chooseKind(const ModuleString& old) const {
     return Kind::Backward;
   }
   // a caller that wants to know every application gets the way without shortcuts
-  if (context_->record != nullptr || context_->isCounted) {
+  if (context_->record != nullptr || context_->isCounted || context_->origins != nullptr) {
     return Kind::General;
   }
   // a long string by several threads, where the result does not depend on their order

@@ -61,6 +61,7 @@ void SubSystemScan::rewriteNext(ScanPlace& place) {
     origins_.push_back({false, instance});
     calls_->enter(instance);
   }
+  context.noteOrigins(place.module, place.module + outcome.modules, firstModule);
   place.module += outcome.modules;
   place.offset += outcome.parameters;
 }

@@ -18,6 +18,9 @@ void DerivationPass::run(const std::vector<std::size_t>& plants, bool isKept, bo
   if (productions_->isFollowed()) {
     productions_->begin(population_->states().size());
   }
+  if (ages_->isFollowed()) {
+    ages_->begin(population_->states().size());
+  }
   // small plants by several threads, or one plant after the other
   if (isWorthThreads(plants)) {
     deriveSideBySide(plants);
@@ -40,7 +43,8 @@ void DerivationPass::derivePlant(std::size_t plant) {
     transaction_->rememberUnderived(plant, state);
   }
   population_->derivation(plant).derive(state, isFollowed_ ? &transaction_->derivedChanges(plant) : nullptr,
-                                        productions_->isFollowed() ? &productions_->of(plant) : nullptr);
+                                        productions_->isFollowed() ? &productions_->of(plant) : nullptr,
+                                        ages_->isFollowed() ? &ages_->of(plant) : nullptr);
   // what those before have cannot become less: the outcome is the same in any order
   if (population_->states().size() > 1) {
     requireTogether(derivedModules_ += state.string.size(), derivedBytes_ += state.string.bytes());

@@ -10,6 +10,7 @@
 #include "engine/simulation/plants/plant_messages.h"
 #include "engine/simulation/plants/population.h"
 #include "engine/simulation/simulation.h"
+#include "engine/simulation/step/module_ages.h"
 #include "engine/simulation/step/production_log.h"
 #include "engine/simulation/step/step_transaction.h"
 
@@ -20,12 +21,13 @@ namespace espalier::simulation {
 class DerivationPass {
  public:
   DerivationPass(const SimulationOptions& options, PlantMessages& messages, Population& population,
-                 StepTransaction& transaction, ProductionLog& productions)
+                 StepTransaction& transaction, ProductionLog& productions, ModuleAges& ages)
       : options_(&options),
         messages_(&messages),
         population_(&population),
         transaction_(&transaction),
-        productions_(&productions) {}
+        productions_(&productions),
+        ages_(&ages) {}
 
   /// Derives these plants, by rising number. `isKept`: each one is copied before, so that it can be taken back when
   /// another fails. `isFollowed`: the transaction learns what changes. Throws SimulationFailure.
@@ -45,6 +47,7 @@ class DerivationPass {
   Population* population_;
   StepTransaction* transaction_;
   ProductionLog* productions_;
+  ModuleAges* ages_;
   // of the pass under way
   bool isKept_ = false;
   bool isFollowed_ = false;

@@ -44,6 +44,8 @@ struct ExportInput {
   const language::Program* program = nullptr;                     // of the strings
   std::span<const language::Program* const> programs = {};        // of each string; empty: all are of `program`
   std::span<const derivation::ModuleString* const> strings = {};  // of the plants, for formats of modules
+  std::span<const std::span<const std::uint64_t>> births = {};  // by plant, by module: step in which it came; empty or
+                                                                // above `step`: not known
   /// Interprets the strings once more and visits their modules; an error sentence when that fails.
   std::function<std::optional<std::string>(const ModuleVisitor&)> visitModules = {};
 

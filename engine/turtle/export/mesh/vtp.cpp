@@ -113,6 +113,7 @@ class Piece {
     writeArray("UInt64", "module", 1, modules_, out);
     writeArray("UInt16", "symbol", 1, symbols_, out);
     writeArray("UInt32", "order", 1, orders_, out);
+    writeArray("Float64", "age", 1, ages_, out);
     writeArray("UInt8", "organ", 1, organs_, out);
     writeArray("UInt8", "colour", 3, colours_, out);
     for (std::size_t k = 0; k < kParameters; ++k) {
@@ -143,6 +144,15 @@ class Piece {
     values.insert(values.end(), {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
   }
 
+  /// The steps since a module came; not a number: not known.
+  [[nodiscard]] static double ageOf(const ExportInput& input, const Provenance& from) {
+    const bool isKnown = input.step && from.plant < input.births.size() &&
+                         from.module < input.births[from.plant].size() &&
+                         input.births[from.plant][from.module] <= *input.step;
+    return isKnown ? static_cast<double>(*input.step - input.births[from.plant][from.module])
+                   : std::numeric_limits<double>::quiet_NaN();
+  }
+
   void addCell(const PlacedMeshes::Item& item, const Provenance& from, const Colour& colour,
                const ParameterPlaces& places) {
     const ExportInput& input = item.scene.input();
@@ -154,6 +164,7 @@ class Piece {
                            ? input.programOf(from.plant).symbolOf[input.strings[from.plant]->types()[from.module]]
                            : kUnknownSymbol);
     orders_.push_back(from.branchOrder);
+    ages_.push_back(ageOf(input, from));
     organs_.push_back(static_cast<std::uint8_t>(item.part.kind));
     colours_.insert(colours_.end(), {colour.red, colour.green, colour.blue});
     for (std::size_t k = 0; k < kParameters; ++k) {
@@ -166,6 +177,7 @@ class Piece {
   std::vector<std::int64_t> corners_, ends_;  // of all cells, concatenated; where each cell's corners end (cellCount)
   std::vector<std::uint32_t> plants_, orders_;
   std::vector<std::uint64_t> modules_;
+  std::vector<double> ages_;
   std::vector<std::uint16_t> symbols_;
   std::vector<std::uint8_t> organs_, colours_;  // (cellCount), (cellCount · 3)
   std::array<std::vector<double>, kParameters> parameters_;
