@@ -8,7 +8,7 @@
 namespace espalier::simulation {
 namespace {
 
-constexpr const char* kModel =
+constexpr const char* kAgingModel =
     "Lsystem: 1\nderivation length: 5\nAxiom: A\nA --> I(1)[+A]A\nI(l) --> I(l*2)\nendlsystem\n";
 
 /// The steps in which the modules came, `?` where it is not known.
@@ -21,7 +21,7 @@ std::string birthsOf(const Simulation& simulation, std::size_t plant = 0) {
 }
 
 TEST(ModuleAges, ModulesThatGoOnKeepTheirStep) {
-  TestRun run(compileText(kModel));
+  TestRun run(compileText(kAgingModel));
   run.simulation.followAges(true);
   expectSuccess(run.simulation.rewind());
   EXPECT_EQ(birthsOf(run.simulation), "0");
