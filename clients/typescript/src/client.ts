@@ -35,6 +35,7 @@ export class Client {
   private connection!: Connection;
   private readonly streams = new Set<Stream<Kind>>();
   private readonly early = new Map<string, Array<() => void>>(); // messages of streams that are being opened
+  private opening = 0; // streams that are being opened
   private readonly offers = new Map<string, Environment>();
   private serve: ReturnType<typeof environmentHandler> | null = null;
   private isClosed = false;
@@ -109,11 +110,17 @@ export class Client {
   }
 
   private async openStream(stream: Stream<Kind>): Promise<void> {
-    await stream.open(this.connection);
-    this.streams.add(stream);
-    const early = this.early.get(stream.id!) ?? [];
-    this.early.clear();
-    early.forEach((deliver) => deliver());
+    ++this.opening;
+    try {
+      await stream.open(this.connection);
+      this.streams.add(stream);
+      this.early.get(stream.id!)?.forEach((deliver) => deliver());
+    } finally {
+      // the messages of the others that are being opened are still to be delivered
+      if (--this.opening === 0) {
+        this.early.clear();
+      }
+    }
   }
 
   private async connect(): Promise<void> {

@@ -92,6 +92,17 @@ test("a viewer of differences holds what a viewer of whole frames holds", async 
   viewer.close();
 });
 
+test("streams that are opened at the same time all get their first frames", async () => {
+  const simulation = await client.create({ model: { source: GROWING }, seed: 7, environment: [{ type: "honda", radius: 0.1 }] });
+  for (let i = 0; i < 20; ++i) {
+    const streams = await Promise.all(["statistics", "string", "columns", "statistics"].map((kind) => client.stream(kind, simulation.id)));
+    const first = Promise.all(streams.map((stream) => stream[Symbol.asyncIterator]().next()));
+    const late = new Promise((_, failed) => setTimeout(failed, 10_000, new Error("a first frame is missing")).unref());
+    assert.deepEqual((await Promise.race([first, late])).map(({ value }) => value.sequence), [0, 0, 0, 0]);
+    await Promise.all(streams.map((stream) => stream.close()));
+  }
+});
+
 test("an environment in TypeScript grows the same plant as one in Python's protocol example", async () => {
   const peer = await connect(running.address, { roles: ["environment"] });
   const seen = [];
