@@ -8,7 +8,7 @@
 #include "environment/soil/flux_potential.h"
 #include "tests/environment/soil/soils.h"
 
-namespace espalier::environment {
+namespace espalier::environment::rhizosphere_test {
 namespace {
 
 TEST(Rhizosphere, TheUptakeIsWhatSoilAndRootBothCarry) {
@@ -52,4 +52,4 @@ TEST(Rhizosphere, FactorsAreThoseOfTheirLimits) {
 }
 
 }  // namespace
-}  // namespace espalier::environment
+}  // namespace espalier::environment::rhizosphere_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/derived_model.h"
 
-namespace espalier::derivation {
+namespace espalier::derivation::module_origins_test {
 namespace {
 
 using test::DerivedModel;
@@ -62,4 +62,4 @@ TEST(ModuleOrigins, FromRightToLeftToo) {
 }
 
 }  // namespace
-}  // namespace espalier::derivation
+}  // namespace espalier::derivation::module_origins_test

@@ -5,7 +5,7 @@
 #include "tests/engine/simulation/crafted_snapshot.h"
 #include "tests/engine/simulation/simulation_fixture.h"
 
-namespace espalier::simulation {
+namespace espalier::simulation::module_ages_test {
 namespace {
 
 constexpr const char* kAgingModel =
@@ -57,4 +57,4 @@ TEST(ModuleAges, AStepThatFailsChangesNothing) {
 }
 
 }  // namespace
-}  // namespace espalier::simulation
+}  // namespace espalier::simulation::module_ages_test
