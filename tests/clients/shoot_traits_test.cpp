@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <string>
 
 #include "clients/espalier/validation/canopy.h"
 
@@ -69,11 +71,33 @@ TEST(ShootTraits, AnotherAxisIsUp) {
   EXPECT_EQ(traits.top, 1.0);
   EXPECT_EQ(traits.crownArea, 0.0);
   EXPECT_EQ(traits.leafAreaIndex, 0.0) << "of a crown without an area";
-  EXPECT_NE(shootTraitRows(traits, 2).find("crown_width\tx\t4\ncrown_width\ty\t0\n"), std::string::npos);
+  EXPECT_NE(shootTraitRows(traits, 2, "cm").find("crown_width\tx\t4\tcm\ncrown_width\ty\t0\tcm\n"), std::string::npos);
+}
+
+TEST(ShootTraits, EveryRowHasItsUnit) {
+  environment::Canopy canopy;
+  canopy.rectangle({0, 2, 0}, {0, 0, 1}, {4, 0, 0});
+  const auto unitOf = [&](const std::string& trait, const std::string& lengths) {
+    const std::string rows = "\n" + shootTraitRows(shootTraitsOf(*canopy.geometry(), 2, 0.0), 2, lengths);
+    const std::size_t row = rows.find("\n" + trait + "\t") + 1;
+    const std::string line = rows.substr(row, rows.find('\n', row) - row);
+    return line.substr(line.rfind('\t') + 1);
+  };
+  for (const auto& [trait, unit, withoutUnit] : {std::array{"leaf_number", "1", "1"},
+                                                 {"leaf_area", "cm^2", "1"},
+                                                 {"leaf_area_index", "1", "1"},
+                                                 {"leaf_inclination", "degree", "degree"},
+                                                 {"leaf_angle", "1", "1"},
+                                                 {"crown_base", "cm", "1"},
+                                                 {"crown_top", "cm", "1"},
+                                                 {"crown_area", "cm^2", "1"}}) {
+    EXPECT_EQ(unitOf(trait, "cm"), unit) << trait;
+    EXPECT_EQ(unitOf(trait, "1"), withoutUnit) << trait;
+  }
 }
 
 TEST(ShootTraits, PlantsWithoutLeavesHaveNone) {
-  EXPECT_EQ(shootTraitRows(shootTraitsOf({}, 1, 0.0), 1), "");
+  EXPECT_EQ(shootTraitRows(shootTraitsOf({}, 1, 0.0), 1, "m"), "");
 }
 
 }  // namespace

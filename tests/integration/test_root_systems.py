@@ -29,8 +29,8 @@ class RootSystems(unittest.TestCase):
 
     def traits(self, *arguments: str) -> Dict[Tuple[str, str], float]:
         lines = espalier("traits", *arguments).stdout.splitlines()
-        self.assertEqual(lines[0], "trait\torder\tvalue")
-        return {(name, order): float(value) for name, order, value in (line.split("\t") for line in lines[1:])}
+        self.assertEqual(lines[0], "trait\torder\tvalue\tunit")
+        return {(name, order): float(value) for name, order, value, _ in (line.split("\t") for line in lines[1:])}
 
     def test_a_table_is_a_plant_and_is_written_as_rsml(self) -> None:
         expected = self.traits(str(self.table))
@@ -45,6 +45,20 @@ class RootSystems(unittest.TestCase):
                 self.assertEqual(found.keys(), expected.keys())
                 for name, value in expected.items():
                     self.assertAlmostEqual(found[name], value, 9, msg=str(name))
+
+    def test_traits_say_their_units(self) -> None:
+        def units(*arguments: str) -> Dict[str, str]:
+            return {line.split("\t")[0]: line.split("\t")[3] for line in espalier("traits", *arguments).stdout.splitlines()[1:]}
+
+        counts = {"number": "1", "magnitude": "1", "altitude": "1", "path_length": "1"}
+        lengths = ("length", "mean_length", "diameter", "height", "width")
+        for file, unit in ((self.written_in("mm"), "mm"), (self.written_in("unknown"), "length"), (self.table, "length")):
+            self.assertEqual(units(str(file)), {**counts, **dict.fromkeys(lengths, unit)})
+        world = self.folder / "world.json"
+        world.write_text('{"lengthUnit": "cm"}', encoding="utf-8")
+        found = units(model("lilac"), "--steps", "3", "--world", str(world))
+        self.assertEqual((found["leaf_area"], found["leaf_inclination"], found["crown_top"]), ("cm^2", "degree", "cm"))
+        self.assertEqual(units(model("lilac"), "--steps", "3")["length"], "m")
 
     def test_a_file_that_is_read_and_written_again_is_identical(self) -> None:
         files = [self.folder / name for name in ("one.rsml", "two.rsml")]
@@ -158,7 +172,7 @@ class RootSystems(unittest.TestCase):
         wrong = self.written_in("cm")
         for number in ("77", "-3", "0.5"):
             wrong.write_text(wrong.read_text().replace('parent-node value="1"', f'parent-node value="{number}"'))
-            right = espalier("traits", str(self.written_in("mm"))).stdout
+            right = espalier("traits", str(self.written_in("mm"))).stdout.replace("\tmm\n", "\tcm\n")
             done = espalier("traits", str(wrong))
             self.assertIn(f"names a point that is not there: line 6 has the parent-node {number}, and the parent has the points 0 to 2",
                           " ".join(done.stderr.split()))

@@ -176,7 +176,12 @@ class Validation(unittest.TestCase):
                 ("m3.2", "m32_roots.tsv", head + collar + node.format(0.5, -1), "the node 1 has the parent 0.5."),
                 ("m2.2", "m22_evaporation.tsv",
                  "scenario\ttime\trate_converged\tcumulative_converged\n1\t0.2\t0.1\t0.02\n1\t0.1\t0.1\t0.01\n",
-                 "m22_evaporation.tsv, line 3: the time 0.1 comes after 0.2. Write the times of a scenario in ascending order")]:
+                 "m22_evaporation.tsv, line 3: the time 0.1 comes after 0.2. Write the times of a scenario in ascending order"),
+                ("sun", "sun_positions.tsv",
+                 "universal_time\tlatitude\tlongitude\tazimuth\televation\n2003-10-17T19:30:30\t39.7\t-105.2\t194.3\t39.9\n"
+                 "noon\t39.7\t-105.2\t194.3\t39.9\n",
+                 "sun_positions.tsv, line 3: expected a date in the column 'universal_time', found 'noon'. Write one such as "
+                 "2003-10-17T19:30:30")]:
             with self.subTest(message):
                 (self.folder / name).write_text(text, encoding="utf-8")
                 run = espalier("validate", case, "--data", str(self.folder), status=1)

@@ -52,6 +52,7 @@ std::optional<std::string> tableOfModel(const TraitsOptions& options, server::Di
     return std::nullopt;
   }
   const int up = options.upAxis(loaded->simulationOptions.world.up);
+  const std::string unit = roots::unitOfLengths(loaded->simulationOptions.world.lengthUnit);
   simulation::Simulation simulation(loaded->programs, loaded->plants, std::move(loaded->environment.process),
                                     std::move(loaded->simulationOptions));
   std::optional<core::SimulationError> failure = simulation.rewind();
@@ -61,13 +62,13 @@ std::optional<std::string> tableOfModel(const TraitsOptions& options, server::Di
   if (!failure) {
     auto scene = simulation.scene();
     if (scene) {
-      const std::string table = roots::traitTable(roots::traitsOf(roots::rootsOf(*scene), up));
+      const std::string table = roots::traitTable(roots::traitsOf(roots::rootsOf(*scene), up), unit);
       try {
         turtle::Geometry geometry;
         turtle::appendGeometry(
             std::move(*scene), simulation.view(), [](std::uint32_t, std::uint64_t) { return core::SymbolId{0}; },
             geometry);
-        return table + roots::shootTraitRows(roots::shootTraitsOf(geometry, up, options.ground), up);
+        return table + roots::shootTraitRows(roots::shootTraitsOf(geometry, up, options.ground), up, unit);
       } catch (const core::SimulationFailure& tooLarge) {
         failure = tooLarge.error();
       }
@@ -83,7 +84,9 @@ std::optional<std::string> tableOfModel(const TraitsOptions& options, server::Di
 std::string infiniteTrait(const std::string& table) {
   std::istringstream lines(table);
   for (std::string line; std::getline(lines, line);) {
-    const std::string value = line.substr(line.rfind('\t') + 1);
+    const std::size_t unit = line.rfind('\t');
+    const std::size_t number = line.rfind('\t', unit - 1) + 1;
+    const std::string value = line.substr(number, unit - number);
     if (value == "inf" || value == "-inf" || value == "nan" || value == "-nan") {
       return line.substr(0, line.find('\t'));
     }
@@ -108,7 +111,7 @@ int run(const TraitsOptions& options) {
     if (!read->remark.empty()) {
       printNote("warning: '" + options.model.model + "': " + read->remark);
     }
-    table = roots::traitTable(roots::traitsOf(*read, options.upAxis()));
+    table = roots::traitTable(roots::traitsOf(*read, options.upAxis()), roots::unitOfLengths(read->unit));
   } else {
     table = tableOfModel(options, files);
   }
@@ -130,6 +133,7 @@ void addTraits(CLI::App& program, int& status) {
       program.add_subcommand("traits", "Print lengths, topology, leaves and crown of a plant or a root system");
   command->footer(
       "Prints a table of traits by order: lengths, numbers of axes, diameters, height, width, and Fitter's topology.\n"
+      "The unit of each is in the last column: that of the world, or of the file (\"length\" when it has none).\n"
       "Of a model with leaves also their number, area, index and angles, and the extent of the crown.\n"
       "MODEL is a model, or a root system: a .rsml file, or a .tsv table with the columns node, parent, x, y, z.\n"
       "Examples:\n"

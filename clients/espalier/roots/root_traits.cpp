@@ -65,28 +65,33 @@ RootTraits traitsOf(const RootSystem& roots, int up) {
   return traits;
 }
 
-std::string traitTable(const RootTraits& traits) {
-  std::string table = "trait\torder\tvalue\n";
-  const auto add = [&](const char* name, const std::string& order, double value) {
+std::string unitOfLengths(const std::string& unit) {
+  return unit.empty() ? "length" : unit;
+}
+
+std::string traitTable(const RootTraits& traits, const std::string& unit) {
+  constexpr const char* kCount = "1";
+  std::string table = "trait\torder\tvalue\tunit\n";
+  const auto add = [&](const char* name, const std::string& order, double value, const std::string& of) {
     table += std::string(name) + "\t" + order + "\t";
     core::appendNumber(table, value, core::NumberStyle::Shortest);
-    table += "\n";
+    table += "\t" + of + "\n";
   };
-  add("length", "", traits.length);
+  add("length", "", traits.length, unit);
   for (const auto& [number, order] : traits.orders) {
     const std::string name = std::to_string(number);
-    add("length", name, order.length);
-    add("number", name, static_cast<double>(order.number));
-    add("mean_length", name, order.number > 0 ? order.length / static_cast<double>(order.number) : 0.0);
+    add("length", name, order.length, unit);
+    add("number", name, static_cast<double>(order.number), kCount);
+    add("mean_length", name, order.number > 0 ? order.length / static_cast<double>(order.number) : 0.0, unit);
     if (order.lengthWithDiameter > 0.0) {
-      add("diameter", name, order.diameter);
+      add("diameter", name, order.diameter, unit);
     }
   }
-  add("height", "", traits.height);
-  add("width", "", traits.width);
-  add("magnitude", "", static_cast<double>(traits.magnitude));
-  add("altitude", "", static_cast<double>(traits.altitude));
-  add("path_length", "", static_cast<double>(traits.pathLength));
+  add("height", "", traits.height, unit);
+  add("width", "", traits.width, unit);
+  add("magnitude", "", static_cast<double>(traits.magnitude), kCount);
+  add("altitude", "", static_cast<double>(traits.altitude), kCount);
+  add("path_length", "", static_cast<double>(traits.pathLength), kCount);
   return table;
 }
 

@@ -28,7 +28,11 @@ struct RootTraits {
 /// `up` is the index of the axis that is up. A point with several laterals counts as as many branching points.
 [[nodiscard]] RootTraits traitsOf(const RootSystem& roots, int up);
 
-/// A table of traits: name, order (empty: all) and value, with a header, separated by tabs.
-[[nodiscard]] std::string traitTable(const RootTraits& traits);
+/// The unit of lengths in tables: that of a file or of the world; `length` when nothing says it.
+[[nodiscard]] std::string unitOfLengths(const std::string& unit);
+
+/// A table of traits: name, order (empty: all), value and unit, with a header, separated by tabs. `unit` is that of
+/// lengths.
+[[nodiscard]] std::string traitTable(const RootTraits& traits, const std::string& unit);
 
 }  // namespace espalier::roots

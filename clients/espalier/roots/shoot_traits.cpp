@@ -117,29 +117,31 @@ ShootTraits shootTraitsOf(const turtle::Geometry& geometry, int up, double groun
   return traits;
 }
 
-std::string shootTraitRows(const ShootTraits& traits, int up) {
+std::string shootTraitRows(const ShootTraits& traits, int up, const std::string& unit) {
+  constexpr const char* kShare = "1";
+  const std::string area = unit == "1" ? unit : unit + "^2";
   std::string rows;
   if (traits.leafCount == 0) {
     return rows;
   }
-  const auto add = [&](const char* name, const std::string& order, double value) {
+  const auto add = [&](const char* name, const std::string& order, double value, const std::string& of) {
     rows += std::string(name) + "\t" + order + "\t";
     core::appendNumber(rows, value, core::NumberStyle::Shortest);
-    rows += "\n";
+    rows += "\t" + of + "\n";
   };
-  add("leaf_number", "", static_cast<double>(traits.leafCount));
-  add("leaf_area", "", traits.leafArea);
-  add("leaf_area_index", "", traits.leafAreaIndex);
-  add("leaf_inclination", "", traits.inclination);
+  add("leaf_number", "", static_cast<double>(traits.leafCount), kShare);
+  add("leaf_area", "", traits.leafArea, area);
+  add("leaf_area_index", "", traits.leafAreaIndex, kShare);
+  add("leaf_inclination", "", traits.inclination, "degree");
   for (std::size_t group = 0; group < ShootTraits::kClasses; ++group) {
-    add("leaf_angle", std::to_string(10 * group + 5), traits.inclinations[group]);
+    add("leaf_angle", std::to_string(10 * group + 5), traits.inclinations[group], kShare);
   }
-  add("crown_base", "", traits.base);
-  add("crown_top", "", traits.top);
+  add("crown_base", "", traits.base, unit);
+  add("crown_top", "", traits.top, unit);
   for (std::size_t k = 0; k < 2; ++k) {
-    add("crown_width", std::string(1, "xyz"[groundAxes(up)[k]]), traits.crownWidths[k]);
+    add("crown_width", std::string(1, "xyz"[groundAxes(up)[k]]), traits.crownWidths[k], unit);
   }
-  add("crown_area", "", traits.crownArea);
+  add("crown_area", "", traits.crownArea, area);
   return rows;
 }
 

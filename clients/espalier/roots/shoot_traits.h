@@ -29,7 +29,7 @@ struct ShootTraits {
 [[nodiscard]] ShootTraits shootTraitsOf(const turtle::Geometry& geometry, int up, double ground);
 
 /// Rows of a table as traitTable() has them. The column `order` has the middle of a class of angles, or the axis of a
-/// width. Empty without leaves.
-[[nodiscard]] std::string shootTraitRows(const ShootTraits& traits, int up);
+/// width. `unit` is that of lengths. Empty without leaves.
+[[nodiscard]] std::string shootTraitRows(const ShootTraits& traits, int up, const std::string& unit);
 
 }  // namespace espalier::roots

@@ -372,9 +372,14 @@ CaseResult sunPositions(const Data& data) {
   result.up = "elevation of the sun, degrees";
   result.curves = {{"Espalier", false, {}}, {"Reda & Andreas", true, {}}};
   for (std::size_t row = 0; row < table->rowCount(); ++row) {
+    const std::string& time = table->text(row, "universal_time");
+    const auto day = environment::julianDayOf(time);
+    if (!day) {
+      table->refuse(row, "expected a date in the column 'universal_time', found '" + time +
+                             "'. Write one such as 2003-10-17T19:30:30");
+    }
     const environment::SunPosition sun =
-        environment::sunPosition(environment::julianDayOf(table->text(row, "universal_time")).value_or(NAN),
-                                 table->number(row, "latitude"), table->number(row, "longitude"));
+        environment::sunPosition(*day, table->number(row, "latitude"), table->number(row, "longitude"));
     error.add(std::abs(sun.elevationRadians * 180.0 / pi - table->number(row, "elevation")));
     error.add(std::abs(sun.azimuthRadians * 180.0 / pi - table->number(row, "azimuth")));
     result.curves[0].points.emplace_back(static_cast<double>(row), sun.elevationRadians * 180.0 / pi);
