@@ -60,6 +60,32 @@ TEST(RootSystem, ALateralThatBeginsFarFromItsParentIsNamed) {
             "line 11, 5 away");
 }
 
+TEST(RootSystem, APublishedFileThatLeavesOutFirstPointsButCountsThemIsJoinedWhereItsLateralsAre) {
+  // as R-SWMS writes the root systems of Schnepf et al. 2020: numbered functions, laterals that begin a piece away from
+  // the main root, an empty root in each, and the first two points of the main root missing
+  const std::string text = R"(<rsml><metadata><unit>cm</unit></metadata><scene><plant><root ID="1"><geometry><polyline>
+<point x="0" y="0" z="-2"/><point x="0" y="0" z="-3"/><point x="0" y="0" z="-4"/><point x="0" y="0" z="-5"/>
+<point x="0" y="0" z="-6"/></polyline></geometry><properties><parent-node value="-1"/></properties>
+<functions><function domain="polyline" name="emergence_time"><sample value="1"/></function>
+<function1 domain="polyline" name="diameter"><sample value="0.25"/></function1></functions>
+<root ID="2"><geometry><polyline><point x="0.9" y="0" z="-4"/><point x="1.8" y="0" z="-4"/></polyline></geometry>
+<properties><parent-node value="4"/></properties>
+<functions><function1 domain="polyline" name="diameter"><sample value="0.125"/></function1></functions><root/></root>
+<root ID="3"><geometry><polyline><point x="0" y="0.5" z="-3"/></polyline></geometry>
+<properties><parent-node value="1"/></properties></root></root></plant></scene></rsml>)";
+  const auto roots = readRsml(text);
+  ASSERT_TRUE(roots) << roots.error();
+  ASSERT_EQ(roots->nodes.size(), 8U);
+  EXPECT_EQ(roots->nodes[0].radius, 0.125);
+  EXPECT_EQ(roots->nodes[5].radius, 0.0625);
+  EXPECT_EQ(roots->nodes[5].parent, 2U) << "the point at -4, not the fifth at -6";
+  EXPECT_EQ(roots->nodes[7].parent, 1U) << "a point that the file names and that is near stays";
+  EXPECT_EQ(
+      roots->remark,
+      "1 lateral begins at the nearest point of the parent, because the point that the file names is farther away "
+      "than the parent's points lie apart: line 6; 1 root has no points of a polyline and is left out: line 8");
+}
+
 TEST(RootSystem, ADichotomousTreeHasThePathLengthOfItsForm) {
   // 8 tips, each 4 links from the collar
   RootSystem roots;

@@ -74,6 +74,13 @@ class AxisJoin {
           std::to_string(wrongJoins_) + (wrongJoins_ == 1 ? " lateral begins" : " laterals begin") +
           " at the nearest point of the parent, because the file names a point that is not there: " + firstWrongJoin_;
     }
+    if (farJoins_ > 0) {
+      roots.remark += (roots.remark.empty() ? "" : "; ") + std::to_string(farJoins_) +
+                      (farJoins_ == 1 ? " lateral begins" : " laterals begin") +
+                      " at the nearest point of the parent, because the point that the file names is farther away than "
+                      "the parent's points lie apart: line " +
+                      std::to_string(firstFarJoin_);
+    }
     if (const auto count = std::ranges::count(isEmpty_, true); count > 0) {
       roots.remark +=
           (roots.remark.empty() ? "" : "; ") + std::to_string(count) +
@@ -104,10 +111,25 @@ class AxisJoin {
   /// The point of an axis from which a lateral grows.
   [[nodiscard]] std::size_t joinOf(const RootSystem& roots, const RsmlAxis& lateral,
                                    const std::vector<std::uint32_t>& nodesOfParent) {
+    const auto distanceTo = [&](std::size_t point) {
+      return core::length(roots.nodes[nodesOfParent[point]].place - lateral.points.front());
+    };
     // -1: unknown
     if (const double wanted = lateral.parentNode.value_or(-1.0); wanted != -1.0) {
       if (wanted >= 0.0 && wanted < static_cast<double>(nodesOfParent.size()) && wanted == std::floor(wanted)) {
-        return static_cast<std::size_t>(wanted);
+        const auto named = static_cast<std::size_t>(wanted);
+        if (!isApart(roots, nodesOfParent, distanceTo(named))) {
+          return named;
+        }
+        // files that leave out the first points of a root still count them: the published ones of R-SWMS leave out two
+        const std::size_t nearest = nearestOf(nodesOfParent.size(), distanceTo);
+        if (isApart(roots, nodesOfParent, distanceTo(nearest))) {
+          return named;
+        }
+        if (farJoins_++ == 0) {
+          firstFarJoin_ = lateral.line;
+        }
+        return nearest;
       }
       if (wrongJoins_++ == 0) {
         core::appendNumber(firstWrongJoin_, wanted, core::NumberStyle::Shortest);
@@ -115,28 +137,35 @@ class AxisJoin {
                           ", and the parent has the points 0 to " + std::to_string(nodesOfParent.size() - 1);
       }
     }
+    return nearestOf(nodesOfParent.size(), distanceTo);
+  }
+
+  template <typename Distance>
+  [[nodiscard]] std::size_t nearestOf(std::size_t points, const Distance& distanceTo) {
     std::size_t best = 0;
-    looks_ += nodesOfParent.size();
+    looks_ += points;
     if (looks_ > kMostLooks) {
       return best;
     }
-    const auto distanceTo = [&](std::size_t point) {
-      return core::length(roots.nodes[nodesOfParent[point]].place - lateral.points.front());
-    };
-    for (std::size_t point = 1; point < nodesOfParent.size(); ++point) {
+    for (std::size_t point = 1; point < points; ++point) {
       best = distanceTo(point) < distanceTo(best) ? point : best;
     }
     return best;
   }
 
+  /// Whether a distance is longer than the pieces between the points of a root.
+  [[nodiscard]] static bool isApart(const RootSystem& roots, const std::vector<std::uint32_t>& nodes, double distance) {
+    double apart = 0.0;
+    for (std::size_t k = 1; k < nodes.size() && !(apart >= distance); ++k) {
+      apart = std::max(apart, core::length(roots.nodes[nodes[k]].place - roots.nodes[nodes[k - 1]].place));
+    }
+    return nodes.size() > 1 && distance > apart;
+  }
+
   /// Counts a lateral that begins away from its parent.
   void noteGap(const RootSystem& roots, const RsmlAxis& lateral, const std::vector<std::uint32_t>& parent,
                double distance) {
-    double apart = 0.0;
-    for (std::size_t k = 1; k < parent.size() && !(apart >= distance); ++k) {
-      apart = std::max(apart, core::length(roots.nodes[parent[k]].place - roots.nodes[parent[k - 1]].place));
-    }
-    if (parent.size() > 1 && distance > apart && gaps_++ == 0) {
+    if (isApart(roots, parent, distance) && gaps_++ == 0) {
       core::appendNumber(firstGap_, distance, core::NumberStyle::Shortest);
       firstGap_ = "line " + std::to_string(lateral.line) + ", " + firstGap_ + " away";
     }
@@ -146,6 +175,8 @@ class AxisJoin {
   std::vector<bool> isEmpty_;   // has no points (axes_)
   std::size_t wrongJoins_ = 0;  // laterals whose parent-node is not there
   std::string firstWrongJoin_;
+  std::size_t farJoins_ = 0;      // laterals whose parent-node is far away, and another point is not
+  std::size_t firstFarJoin_ = 0;  // line of the first of them
   std::size_t withoutLength_ = 0;
   std::size_t firstWithoutLength_ = 0;  // line of the first of them
   std::size_t gaps_ = 0;                // laterals that begin away from their parents

@@ -65,9 +65,13 @@ constexpr std::pair<std::string_view, Element> kElements[] = {
     {"geometry", Element::Geometry}, {"polyline", Element::Polyline}, {"functions", Element::Functions},
     {"function", Element::Function}};
 
-/// The name of an element without the prefix of its namespace.
+/// The name of an element without the prefix of its namespace. Published files number functions: `function1`.
 std::string_view localName(std::string_view name) {
-  return name.substr(name.find(':') + 1);
+  constexpr std::string_view kFunction = "function";
+  name = name.substr(name.find(':') + 1);
+  const bool isNumbered =
+      name.starts_with(kFunction) && name.find_first_not_of("0123456789", kFunction.size()) == std::string_view::npos;
+  return isNumbered ? kFunction : name;
 }
 
 class Reader {
