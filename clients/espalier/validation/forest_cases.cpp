@@ -242,7 +242,7 @@ CaseResult openForestInVoxels(const Data& data, const std::string& spheres) {
   high.own.addTo(result, "the same, Monte Carlo on these crowns", 0.020);
   result.rows.push_back({"the same, past black leaves", high.unscattered.value(), std::nullopt, ""});
   result.rows.push_back({"the same, past black leaves, voxels of 0.5 m", high.unscatteredInFine.value(), 0.010, ""});
-  low.own.addTo(result, "83.5 degrees, mean of 16 azimuths, Monte Carlo on these crowns", std::nullopt);
+  low.own.addTo(result, "83.5 degrees, mean of 16 azimuths, Monte Carlo on these crowns", 0.020);
   result.rows.push_back({"the same, past black leaves", low.unscattered.value(), std::nullopt, ""});
   result.rows.push_back(
       {"the same, past black leaves, voxels of 0.5 m", low.unscatteredInFine.value(), std::nullopt, ""});
