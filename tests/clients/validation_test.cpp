@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "clients/espalier/validation/built_in_tables.h"
 #include "clients/espalier/validation/closed_forms.h"
+#include "clients/espalier/validation/discrete_ordinates.h"
 #include "clients/espalier/validation/reference_table.h"
 
 namespace espalier::validation::validation_test {
@@ -61,6 +63,47 @@ TEST(Validation, ComparesNothingWithoutTheTablesOfOthers) {
   }
 }
 
+TEST(BuiltInTables, HoldReferenceValuesAndNothingOfOtherAuthors) {
+  const auto data = [](const std::string& name) { return builtInTable(name); };
+  std::size_t bytes = 0;
+  for (const std::string_view name : builtInTableNames()) {
+    std::vector<std::string> missing;
+    const auto table = ReferenceTable::read(data, std::string(name), missing);
+    ASSERT_TRUE(table) << name;
+    EXPECT_GT(table->rowCount(), 5U) << name;
+    EXPECT_TRUE(builtInTable(name)->starts_with("# ")) << name << " does not say what it is and whose";
+    EXPECT_EQ(sourceOfTable(name), "") << name;
+    bytes += builtInTable(name)->size();
+  }
+  EXPECT_LT(bytes, 40'000U);
+  for (const std::string name : {"m1_root_traits", "m32_roots", "c12_roots", "c12_sinks", "c12_transpiration"}) {
+    EXPECT_FALSE(builtInTable(name + ".tsv")) << name;
+    EXPECT_NE(sourceOfTable(name + ".tsv").find("doi 10."), std::string_view::npos) << name;
+  }
+  EXPECT_EQ(sourceOfTable("m32_roots.tsv or m32_roots.rsml"), sourceOfTable("m32_roots.tsv"));
+}
+
+TEST(DiscreteOrdinates, SphericalLeavesGiveTheirClosedFormsAndLoseNothing) {
+  // black leaves: Beer's law with G = 1/2
+  const LayerFluxes black = sphericalLayer(3.0, 0.0, 0.0, 0.0, 60.0);
+  EXPECT_NEAR(black.down, std::exp(-3.0), 1e-12);
+  EXPECT_NEAR(black.reflected, 0.0, 1e-12);
+  // under a uniform sky 2 E3(L/2); by the midpoint rule
+  double passed = 0.0;
+  for (int i = 0; i < 20'000; ++i) {
+    const double cosine = (i + 0.5) / 20'000;
+    passed += 2.0 * cosine * std::exp(-1.0 / cosine) / 20'000;
+  }
+  EXPECT_NEAR(sphericalLayer(2.0, 0.0, 0.0, 0.0, std::nullopt).down, passed, 1e-4);
+  // leaves and a ground that take nothing
+  EXPECT_NEAR(sphericalLayer(2.0, 0.5, 0.5, 1.0, 30.0).reflected, 1.0, 1e-6);
+  // the same equations by another program: reflected, absorbed, down at the ground
+  const LayerFluxes green = sphericalLayer(1.0, 0.0735, 0.0566, 0.964, 27.4643);
+  EXPECT_NEAR(green.reflected, 0.285551, 2e-6);
+  EXPECT_NEAR(green.absorbed, 0.692908, 2e-6);
+  EXPECT_NEAR(green.down, 0.598366, 2e-6);
+}
+
 // of leaves without a preferred side the mean projection over all directions is a half (Ross 1981)
 TEST(ClosedForms, TheMeanOfAllProjectionsIsAHalf) {
   for (const char* leaves :
@@ -97,6 +140,10 @@ TEST(ClosedForms, ViewFactorsOfACubeSumToOne) {
   EXPECT_NEAR(1.0 * viewFactor("discs", 1, 2, 1.5), 4.0 * viewFactor("discs", 2, 1, 1.5), 1e-12);
   // a disc close before a large one sees nothing else
   EXPECT_NEAR(viewFactor("discs", 1, 1000, 0.1), 1.0, 1e-6);
+  // a sphere in the middle of a cube gives each of the 24 quarters of its faces the same
+  EXPECT_NEAR(viewFactor("sphere", 1, 1, 1), 1.0 / 24.0, 1e-12);
+  // and a wide plain below it half of all in four quarters
+  EXPECT_NEAR(viewFactor("sphere", 1e6, 1e6, 1), 0.125, 1e-6);
 }
 
 TEST(ClosedForms, ALensIsTheSameFromBothSides) {

@@ -34,8 +34,8 @@ class LongValidation(unittest.TestCase):
                               timeout=3600, stdin=subprocess.DEVNULL)
         lines = [line.split("\t") for line in done.stdout.splitlines()]
         table = [dict(zip(lines[0], line)) for line in lines[1:]]
-        # without the published tables a benchmark may have nothing to compare
-        self.assertTrue(table or "left out" in done.stderr, done.stderr)
+        # no long benchmark needs tables of other authors
+        self.assertTrue(table, done.stderr)
         # what a machine with other work takes is no mistake
         wrong = [row for row in table if row["result"] == "NOT MET" and not row["what"].startswith("time of ")]
         self.assertEqual(wrong, [], done.stdout)

@@ -13,6 +13,7 @@
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/validation/built_in_tables.h"
 #include "clients/espalier/validation/reference_table.h"
 #include "clients/espalier/validation/result_plot.h"
 #include "clients/espalier/validation/validation.h"
@@ -75,20 +76,31 @@ const char* verdictOf(const validation::Row& row) {
   return !row.tolerance ? "reported" : row.isMet() ? "met" : "NOT MET";
 }
 
+/// What a case leaves out for want of a file, and where that is published: a sentence.
+std::string leftOut(const validation::CaseResult& result, const std::string& missing, const std::string& file) {
+  const std::string_view source = validation::sourceOfTable(missing);
+  return (result.rows.empty() ? "It needs " : "A part of it needs ") + file + ", which is not ours to publish" +
+         (source.empty() ? std::string() : ". " + std::string(source));
+}
+
 /// The part of a page about one case with the addresses of its pictures.
 std::string pagePart(const validation::Case& one, const validation::CaseResult& result, double seconds,
                      const std::vector<std::string>& pictures) {
   char took[40];
   std::snprintf(took, sizeof took, "%.*f s", seconds < 10.0 ? 1 : 0, seconds);
-  std::string part = kPartBegin + std::string(one.name) + "\n\n" + std::string(one.title) + ". Took " + took + ".\n\n" +
-                     "| compared | error | tolerance | result | published programs |\n|---|---:|---:|---|---|\n";
+  std::string part = kPartBegin + std::string(one.name) + "\n\n" + std::string(one.title) + ".";
+  if (!result.rows.empty()) {
+    part += " Took " + std::string(took) + ".\n\n" +
+            "| compared | error | tolerance | result | published programs |\n|---|---:|---:|---|---|";
+  }
+  part += "\n";
   for (const validation::Row& row : result.rows) {
     part += "| " + row.what + " | " + shortNumber(row.error) + " | " +
             (row.tolerance ? shortNumber(*row.tolerance) : std::string()) + " | " + verdictOf(row) + " | " +
             row.published + " |\n";
   }
   for (const std::string& name : result.missing) {
-    part += "\nA part is left out: it needs `" + name + "`.\n";
+    part += "\nLeft out. " + leftOut(result, name, "`" + name + "`") + ".\n";
   }
   for (const std::string& picture : pictures) {
     part += "\n![" + std::filesystem::path(picture).stem().string() + "](" + picture + ")\n";
@@ -127,16 +139,10 @@ std::string pageOf(const std::map<std::string, std::string>& parts) {
   return std::string(kPageTitle) +
          "\nWritten by `espalier validate --data FOLDER --plot FOLDER --page FILE`, which "
          "replaces the parts of the cases that it runs. [validation.md](validation.md) explains the benchmarks. Errors "
-         "are in the sense of the first column; times are those of one run. In pictures references are dashed.\n\n" +
+         "are in the sense of the first column; times are those of one run, which may have shared the machine with "
+         "others. In pictures references are dashed.\n\n" +
          std::to_string(countOf(body, "| met |")) + " comparisons met their tolerance, " + std::to_string(missed) +
          " did not. Others are reported without one.\n" + body;
-}
-
-/// Whether a table has what other authors measured or computed; the others are reference values of the benchmarks.
-bool isOfOtherAuthors(const std::string& missing) {
-  constexpr std::array kNames = {"m1_root_traits", "m32_roots", "c12_roots", "c12_transpiration", "c12_sinks"};
-  return std::any_of(kNames.begin(), kNames.end(),
-                     [&](const char* name) { return missing.starts_with(std::string(name) + "."); });
 }
 
 /// Prints the rows of a case; false when one is beyond its tolerance.
@@ -150,12 +156,25 @@ bool printRows(const validation::Case& one, const validation::CaseResult& result
   }
   std::fflush(stdout);
   for (const std::string& name : result.missing) {
-    printNote("left out: a part of " + std::string(one.name) + " needs " + name +
-              (isOfOtherAuthors(name) ? ", a table of other authors (docs/validation.md says where it is published)"
-                                      : ", a table of reference values that comes with the collection of benchmarks") +
-              "; give the folder that has it with --data");
+    printNote(std::string(one.name) + " is left out" + (result.rows.empty() ? "" : " in part") + ". " +
+              leftOut(result, name, name) + ". Give the folder that has it with --data");
   }
   return isMet;
+}
+
+/// Says at the end which cases are left out, and which in part.
+void printLeftOut(const std::vector<std::string>& whole, const std::vector<std::string>& inPart) {
+  const auto listed = [](const std::vector<std::string>& names) {
+    std::string list;
+    for (const std::string& name : names) {
+      list += (list.empty() ? "" : ", ") + name;
+    }
+    return list;
+  };
+  if (!whole.empty() || !inPart.empty()) {
+    printNote("left out for want of tables of other authors: " + (whole.empty() ? "none" : listed(whole)) +
+              (inPart.empty() ? std::string() : "; in part: " + listed(inPart)));
+  }
 }
 
 /// Writes the pictures of a case and returns their addresses on the page; nothing after an error.
@@ -194,7 +213,8 @@ int validate(const ValidateOptions& options) {
   }
   const auto data = [&](const std::string& name) -> std::optional<std::string> {
     server::DiskFileProvider files;
-    return options.data.empty() ? std::nullopt : files.read(options.data + "/" + name);
+    const auto own = options.data.empty() ? std::nullopt : files.read(options.data + "/" + name);
+    return own ? std::optional<std::string>(*own) : validation::builtInTable(name);
   };
   const auto chosen = chosenCases(options);
   if (chosen.empty()) {
@@ -212,6 +232,8 @@ int validate(const ValidateOptions& options) {
   }
   std::printf("case\twhat\terror\ttolerance\tresult\tpublished programs\tseconds of the case\n");
   bool isMet = true;
+  std::vector<std::string> leftOutWhole;
+  std::vector<std::string> leftOutInPart;
   for (const validation::Case* one : chosen) {
     const auto begin = std::chrono::steady_clock::now();
     validation::CaseResult result;
@@ -223,13 +245,16 @@ int validate(const ValidateOptions& options) {
     }
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
     isMet = printRows(*one, result, seconds.count()) && isMet;
+    if (!result.missing.empty()) {
+      (result.rows.empty() ? leftOutWhole : leftOutInPart).emplace_back(one->name);
+    }
     const auto pictures = writePictures(*one, result, options);
     if (!pictures) {
       return kFailure;
     }
     if (result.rows.empty() && parts.contains(std::string(one->name))) {
       printNote("the part '" + std::string(one->name) + "' of '" + options.page +
-                "' stays: without --data it has no results");
+                "' stays: without the missing tables it has no results");
       continue;
     }
     parts[std::string(one->name)] = pagePart(*one, result, seconds.count(), *pictures);
@@ -241,6 +266,7 @@ int validate(const ValidateOptions& options) {
     }
     printNote("wrote " + options.page);
   }
+  printLeftOut(leftOutWhole, leftOutInPart);
   if (!isMet) {
     printError("at least one result is beyond its tolerance: look for NOT MET above");
   }
@@ -260,8 +286,10 @@ void addValidate(CLI::App& program, int& status) {
       "  espalier validate --data validation --plot plots");
   auto options = std::make_shared<ValidateOptions>();
   command->add_option("CASE", options->names, "Benchmarks by name (default: all)");
-  command->add_option("--data", options->data,
-                      "Folder with the published tables; parts that need a missing table are left out and named");
+  command->add_option(
+      "--data", options->data,
+      "Folder with tables of other authors, which the program does not carry (docs/validation.md); a file "
+      "with the name of a table of the program takes its place");
   command->add_option("--plot", options->plots, "Folder for a picture (SVG) of each benchmark that has curves");
   command->add_option("--page", options->page,
                       "File for a page (Markdown) with the results and their pictures; parts of other cases stay");

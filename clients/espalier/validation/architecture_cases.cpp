@@ -1,6 +1,7 @@
 // Benchmark M1.1 of Schnepf et al. 2020: root systems that an L-system grows beside measured ones, by the traits of
 // `espalier traits`; Fitter's topology. Lengths in cm, steps of a day.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "engine/core/streams.h"
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
+#include "engine/turtle/export/text/rsml.h"
 
 namespace espalier::validation {
 
@@ -51,6 +53,10 @@ endlsystem
 
 // a lateral more in each step
 constexpr const char* kHerringbone = "Lsystem: 1\nderivation length: 1\nAxiom: FA\nA --> [+F]FA\nendlsystem\n";
+
+// two branches in each step
+constexpr const char* kDichotomous =
+    "Lsystem: 1\nderivation length: 1\nAxiom: A\nA --> F[+A]A\nhomomorphism\nA --> F\nendlsystem\n";
 
 using Macros = std::vector<std::pair<std::string, std::string>>;
 
@@ -109,8 +115,37 @@ std::shared_ptr<const language::Program> compiled(const std::string& text, Macro
   return result.program;
 }
 
-/// The traits of a plant after each of its steps, from 0.
-std::vector<RootTraits> grow(const std::shared_ptr<const language::Program>& program, std::uint64_t seed, int steps) {
+/// How far the traits of a scene are from those of its file in the Root System Markup Language, relative.
+double lostInMarkup(const turtle::Scene& scene, const RootTraits& traits) {
+  core::StringSink sink;
+  const files::ViewSettings view;
+  const auto problem =
+      turtle::writeRsml({.scene = scene, .view = view, .lengthUnit = "cm"}, {"roots.rsml", sink, {}, {}});
+  ESPALIER_CHECK(!problem.has_value());
+  const auto read = roots::readRsml(sink.text());
+  ESPALIER_CHECK(read.has_value());
+  const RootTraits again = roots::traitsOf(*read, 1);
+  LargestError most;
+  const auto compare = [&](double before, double after) { most.add(std::abs(after - before) / std::max(before, 1.0)); };
+  compare(traits.length, again.length);
+  compare(traits.height, again.height);
+  compare(traits.width, again.width);
+  compare(static_cast<double>(traits.magnitude), static_cast<double>(again.magnitude));
+  compare(static_cast<double>(traits.altitude), static_cast<double>(again.altitude));
+  compare(static_cast<double>(traits.pathLength), static_cast<double>(again.pathLength));
+  compare(static_cast<double>(traits.orders.size()), static_cast<double>(again.orders.size()));
+  for (const auto& [order, axes] : traits.orders) {
+    const auto found = again.orders.find(order);
+    const bool isThere = found != again.orders.end();
+    compare(static_cast<double>(axes.number), isThere ? static_cast<double>(found->second.number) : NAN);
+    compare(axes.length, isThere ? found->second.length : NAN);
+  }
+  return most.value();
+}
+
+/// The traits of a plant after each of its steps, from 0. `lost` takes what a file of the last step loses.
+std::vector<RootTraits> grow(const std::shared_ptr<const language::Program>& program, std::uint64_t seed, int steps,
+                             LargestError* lost = nullptr) {
   simulation::SimulationOptions options;
   options.seed = seed;
   options.hasSeed = true;
@@ -122,6 +157,9 @@ std::vector<RootTraits> grow(const std::shared_ptr<const language::Program>& pro
     const auto scene = plant.scene();
     ESPALIER_CHECK(scene.has_value());
     traits.push_back(roots::traitsOf(roots::rootsOf(*scene), 1));
+    if (lost != nullptr && traits.size() > static_cast<std::size_t>(steps)) {
+      lost->add(lostInMarkup(*scene, traits.back()));
+    }
   }
   return traits;
 }
@@ -182,13 +220,14 @@ void compareGrowth(const ReferenceTable* measured, CaseResult& result) {
   for (const Trait& trait : kTraits) {
     pictures.push_back({trait.name, "day", trait.up, {}});
   }
+  LargestError lost;
   for (const Species& kind : species()) {
     Macros macros = kind.rates;
     macros.emplace_back("DAYS", std::to_string(kind.days));
     const auto program = compiled(kRootModel, std::move(macros));
     std::array<std::vector<double>, kTraits.size()> means;
     for (int seed = 1; seed <= kSeeds; ++seed) {
-      const auto traits = grow(program, static_cast<std::uint64_t>(seed), kind.days);
+      const auto traits = grow(program, static_cast<std::uint64_t>(seed), kind.days, &lost);
       for (std::size_t k = 0; k < kTraits.size(); ++k) {
         means[k].resize(traits.size(), 0.0);
         for (std::size_t day = 0; day < traits.size(); ++day) {
@@ -202,6 +241,8 @@ void compareGrowth(const ReferenceTable* measured, CaseResult& result) {
       compareTrait(kTraits[k], kind, means[k], measured, pictures[k], result);
     }
   }
+  result.rows.push_back(
+      {"traits of the same plants from RSML files that Espalier wrote, relative", lost.value(), 1e-9, ""});
   result.pictures = std::move(pictures);
 }
 
@@ -219,6 +260,19 @@ void compareTopology(const ReferenceTable* measured, CaseResult& result) {
   }
   result.rows.push_back(
       {"herringbones of 1 to 300 tips, magnitude, altitude and path length", formula.value(), 0.0, ""});
+  // 2^k tips, each k + 1 links from the collar (Fitter 1987)
+  constexpr int kBranchings = 9;
+  LargestError dichotomous;
+  double tips = 1.0;
+  double links = 1.0;
+  for (const RootTraits& grown : grow(compiled(kDichotomous, {}), 1, kBranchings)) {
+    dichotomous.add(std::abs(static_cast<double>(grown.magnitude) - tips));
+    dichotomous.add(std::abs(static_cast<double>(grown.altitude) - links));
+    dichotomous.add(std::abs(static_cast<double>(grown.pathLength) - tips * links));
+    tips *= 2.0;
+    links += 1.0;
+  }
+  result.rows.push_back({"dichotomous trees of 1 to 512 tips, the same", dichotomous.value(), 0.0, ""});
   if (measured == nullptr) {
     return;
   }

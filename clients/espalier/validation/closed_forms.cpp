@@ -144,6 +144,9 @@ double passedBlackLeaves(const std::string& leaves, double ratio, const std::str
 double viewFactor(const std::string& kind, double p1, double p2, double p3) {
   const double x = p1 / p3;
   const double y = p2 / p3;
+  if (kind == "sphere") {
+    return core::atan(std::sqrt(1.0 / (1.0 / (x * x) + 1.0 / (y * y) + 1.0 / (x * x * y * y)))) / (4.0 * pi);
+  }
   if (kind == "discs") {
     const double sum = 1.0 + (1.0 + y * y) / (x * x);
     return 0.5 * (sum - std::sqrt(sum * sum - 4.0 * (p2 / p1) * (p2 / p1)));

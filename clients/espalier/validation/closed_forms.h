@@ -33,7 +33,8 @@ class LeafAngleTable {
                                        double leafAreaIndex);
 
 /// View factors. Discs: radii p1 and p2 at a distance p3 on one axis. Rectangles: p1 x p2, opposed at a distance p3.
-/// Corner: from a rectangle of width p1 to one of width p2 that stands on their common edge p3.
+/// Corner: from a rectangle of width p1 to one of width p2 that stands on their common edge p3. Sphere: to a rectangle
+/// p1 x p2 whose corner is at a distance p3 below its middle.
 [[nodiscard]] double viewFactor(const std::string& kind, double p1, double p2, double p3);
 
 /// The area that two discs share.

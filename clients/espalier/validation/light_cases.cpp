@@ -5,9 +5,14 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "clients/espalier/validation/canopy_fluxes.h"
 #include "clients/espalier/validation/closed_forms.h"
+#include "clients/espalier/validation/discrete_ordinates.h"
 #include "clients/espalier/validation/process_run.h"
 #include "clients/espalier/validation/reference_table.h"
 #include "clients/espalier/validation/validation.h"
@@ -98,19 +103,26 @@ CaseResult horizontalLayers(const Data&) {
   return layers(rows, true);
 }
 
-CaseResult sphericalLayers(const Data& data) {
-  CaseResult result;
-  const auto table = ReferenceTable::read(data, "light_spherical.tsv", result.missing);
-  if (!table) {
-    return result;
-  }
+CaseResult sphericalLayers(const Data&) {
   std::vector<LayerRow> rows;
-  for (std::size_t row = 0; row < table->rowCount(); ++row) {
-    const auto number = [&](const char* column) { return table->number(row, column); };
-    rows.push_back({number("lai"),
-                    table->text(row, "zenith"),
-                    {number("rho"), number("tau"), number("ground")},
-                    {number("reflected"), number("absorbed"), number("down_at_ground")}});
+  const auto add = [&](double index, const std::string& zenith, double rho, double tau, double ground) {
+    const Light light = lightOf(zenith);
+    const auto angle = light.zenith < 0.0 ? std::nullopt : std::optional(light.zenith);
+    rows.push_back({index, zenith, {rho, tau, ground}, sphericalLayer(index, rho, tau, ground, angle)});
+  };
+  for (const double index : {1.0, 2.5, 5.0}) {
+    for (const std::string zenith : {"27.4643", "60", "uniform"}) {
+      // leaves and grounds of RAMI4PILPS in PAR and in the near infrared
+      for (const double ground : {0.0, 0.1217, 0.964}) {
+        add(index, zenith, 0.0735, 0.0566, ground);
+      }
+      for (const double ground : {0.0, 0.2142, 0.5568}) {
+        add(index, zenith, 0.3912, 0.4146, ground);
+      }
+    }
+  }
+  for (const std::string zenith : {"30", "uniform"}) {
+    add(2.0, zenith, 0.5, 0.5, 1.0);
   }
   return layers(rows, false);
 }
@@ -275,86 +287,159 @@ CaseResult closure(const Data&) {
 
 // ---- view factors
 
-/// What a black receiver gets of the light that a sheet gives off, as a part: the sheet lets all light through and
-/// gives off as much on its other side as comes in, evenly. Two million rays from each sheet.
-double factorBetween(const Canopy& canopy, std::size_t sheets, double power) {
-  const std::size_t rays = 2'097'152 / sheets;
-  turtle::QueryBatch queries = queriesAt(std::vector<Vec3>(canopy.count()), {0.0, 0.0});
-  queries.geometry = canopy.geometry();
+/// A sheet that gives off light, receivers of it, and between them in the order of the organs what is neither.
+struct Arrangement {
+  Canopy canopy;
+  std::size_t firstReceiver = 0;
+  double area = 0.0;          // of the sheet
+  double receiverArea = 0.0;  // both sides that look at the sheet
+};
+
+/// A polygon of so many triangles that its area is that of the disc.
+void addDisc(Canopy& canopy, double radius, double height, std::uint8_t colour) {
+  constexpr int kSides = 256;
+  const double wider = std::sqrt(2.0 * pi / kSides / core::sin(2.0 * pi / kSides));
+  const auto corner = [&](int k) {
+    const double angle = 2.0 * pi * k / kSides;
+    return Vec3{radius * wider * core::cos(angle), height, radius * wider * core::sin(angle)};
+  };
+  for (int k = 0; k < kSides; ++k) {
+    canopy.triangle({0, height, 0}, corner(k + 1), corner(k), colour);
+  }
+}
+
+/// A sphere of triangles that together have its surface: from far away they are as large as it is.
+void addSphere(Canopy& canopy, const Vec3& centre, double radius, std::uint8_t colour) {
+  constexpr int kAcross = 64;
+  constexpr int kUp = 32;
+  const auto corner = [](int i, int k) {
+    const double zenith = pi * k / kUp;
+    const double angle = 2.0 * pi * i / kAcross;
+    return Vec3{core::sin(zenith) * core::cos(angle), core::cos(zenith), core::sin(zenith) * core::sin(angle)};
+  };
+  const auto forEach = [&](const auto& take) {
+    for (int k = 0; k < kUp; ++k) {
+      for (int i = 0; i < kAcross; ++i) {
+        if (k > 0) {
+          take(corner(i, k), corner(i + 1, k), corner(i + 1, k + 1));
+        }
+        if (k + 1 < kUp || k == 0) {
+          take(corner(i, k), corner(i + 1, k + 1), corner(i, k + 1));
+        }
+      }
+    }
+  };
+  double area = 0.0;
+  forEach([&](const Vec3& a, const Vec3& b, const Vec3& c) { area += 0.5 * core::length(core::cross(b - a, c - a)); });
+  const double scale = radius * std::sqrt(4.0 * pi / area);
+  forEach([&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    canopy.triangle(centre + a * scale, centre + b * scale, centre + c * scale, colour);
+  });
+}
+
+// by colour: lets all light through, takes all, gives all back
+constexpr std::uint8_t kLetsThrough = 0;
+constexpr std::uint8_t kBlack = 1;
+constexpr std::uint8_t kWhite = 2;
+
+/// Two surfaces, the sheet first; the light comes from straight above.
+Arrangement arrangementOf(const std::string& kind, double p1, double p2, double p3) {
+  Arrangement both;
+  if (kind == "rectangles") {
+    both.canopy.rectangle({0, p3, 0}, {0, 0, p2}, {p1, 0, 0}, kLetsThrough);
+    both.firstReceiver = both.canopy.count();
+    both.canopy.rectangle({0, 0, 0}, {0, 0, p2}, {p1, 0, 0}, kBlack);
+    both.area = both.receiverArea = p1 * p2;
+  } else if (kind == "corner") {
+    // the lying one reflects the light, the other stands at its edge
+    both.canopy.rectangle({0, 0, 0}, {0, 0, p3}, {p1, 0, 0}, kWhite);
+    both.firstReceiver = both.canopy.count();
+    both.canopy.rectangle({0, 0, 0}, {0, 0, p3}, {0, p2, 0}, kBlack);
+    both.area = p1 * p3;
+    both.receiverArea = p2 * p3;
+  } else if (kind == "sphere") {
+    // a black roof around the sheet shades the sphere below a corner of it
+    const double wide = 2.0 * p3;
+    both.canopy.rectangle({0, p3, 0}, {0, 0, p2}, {p1, 0, 0}, kLetsThrough);
+    both.canopy.rectangle({-wide, p3, -wide}, {0, 0, 2.0 * wide}, {wide, 0, 0}, kBlack);
+    both.canopy.rectangle({0, p3, -wide}, {0, 0, wide}, {wide, 0, 0}, kBlack);
+    both.firstReceiver = both.canopy.count();
+    const double radius = 0.5 * p3;
+    addSphere(both.canopy, {0, 0, 0}, radius, kBlack);
+    both.area = p1 * p2;
+    both.receiverArea = 4.0 * pi * radius * radius;
+  } else {
+    addDisc(both.canopy, p1, p3, kLetsThrough);
+    both.firstReceiver = both.canopy.count();
+    addDisc(both.canopy, p2, 0.0, kBlack);
+    both.area = pi * p1 * p1;
+    both.receiverArea = pi * p2 * p2;
+  }
+  return both;
+}
+
+/// What black receivers get of the light that a sheet gives off, as a part: the sheet lets all light through, or gives
+/// it back, evenly. The receivers have so many rays in all.
+double factorBetween(const Arrangement& both, std::size_t rays) {
+  turtle::QueryBatch queries = queriesAt(std::vector<Vec3>(both.canopy.count()), {0.0, 0.0});
+  queries.geometry = both.canopy.geometry();
+  const std::size_t receivers = both.canopy.count() - both.firstReceiver;
   const auto replies = runProcess("light",
                                   R"({"diffuseIrradiance":0,"sun":"direction","directIrradiance":1,"bounces":1,)"
                                   R"("materials":[[0,0,1],[1,0,0],[2,1,0]],"directions":)" +
-                                      std::to_string(rays) + "}",
+                                      std::to_string(rays / receivers) + "}",
                                   queries)
                            .replies.values;
   double sum = 0.0;
-  for (std::size_t k = 2 * sheets + 1; k < replies.size(); k += 2) {
+  for (std::size_t k = 2 * both.firstReceiver + 1; k < replies.size(); k += 2) {
     sum += replies[k];
   }
-  return sum / power;
+  return sum / both.area;
 }
 
-/// Two surfaces, the first one the sheet; and the area of that.
-struct Pair {
-  Canopy canopy;
-  double area = 0.0;
-};
-Pair pairOf(const std::string& kind, double p1, double p2, double p3) {
-  Pair pair;
-  if (kind == "rectangles") {
-    // the upper one is the sheet, lit from straight above; the lower one the receiver
-    pair.canopy.rectangle({0, p3, 0}, {0, 0, p2}, {p1, 0, 0}, 0);
-    pair.canopy.rectangle({0, 0, 0}, {0, 0, p2}, {p1, 0, 0}, 1);
-    pair.area = p1 * p2;
-  } else if (kind == "corner") {
-    // the lying one reflects the light from straight above, the other stands at its edge
-    pair.canopy.rectangle({0, 0, 0}, {0, 0, p3}, {p1, 0, 0}, 2);
-    pair.canopy.rectangle({0, 0, 0}, {0, 0, p3}, {0, p2, 0}, 1);
-    pair.area = p1 * p3;
-  } else {
-    // polygons of so many sides that their area is that of the disc
-    constexpr int kSides = 256;
-    const auto disc = [&](double radius, double height, std::uint8_t colour) {
-      const double wider = std::sqrt(2.0 * pi / kSides / core::sin(2.0 * pi / kSides));
-      const auto corner = [&](int k) {
-        const double angle = 2.0 * pi * k / kSides;
-        return Vec3{radius * wider * core::cos(angle), height, radius * wider * core::sin(angle)};
-      };
-      for (int k = 0; k < kSides; ++k) {
-        pair.canopy.triangle({0, height, 0}, corner(k + 1), corner(k), colour);
-      }
-    };
-    disc(p1, p3, 0);
-    disc(p2, 0.0, 1);
-    pair.area = pi * p1 * p1;
+struct ViewFactorRow {
+  const char* kind;
+  double p1, p2, p3;
+
+  [[nodiscard]] std::string name() const {
+    return std::string(kind) + " " + numberText(p1) + " " + numberText(p2) + " " + numberText(p3);
   }
-  return pair;
-}
+  [[nodiscard]] double exact() const { return viewFactor(kind, p1, p2, p3); }
+  /// By the process `light` with so many rays.
+  [[nodiscard]] double found(std::size_t rays) const {
+    const std::string name = kind;
+    // F₁₂ A₁ = F₂₁ A₂: a larger disc would have light past the sheet, and the sphere is the receiver
+    if (name == "discs" && p2 > p1) {
+      return factorBetween(arrangementOf(name, p2, p1, p3), rays) * p2 * p2 / (p1 * p1);
+    }
+    const Arrangement both = arrangementOf(name, p1, p2, p3);
+    const double factor = factorBetween(both, rays);
+    return name == "sphere" ? factor * both.area / both.receiverArea : factor;
+  }
+};
 
 CaseResult viewFactors(const Data&) {
-  struct Arrangement {
-    const char* kind;
-    double p1, p2, p3;
-  };
+  constexpr std::size_t kMany = 2'097'152;
+  constexpr std::size_t kAsHelios = 100'000;
   CaseResult result;
   result.across = "arrangement";
   result.up = "view factor";
   result.curves = {{"light", false, {}}, {"exact", true, {}}};
-  for (const auto& [kind, p1, p2, p3] :
-       {Arrangement{"discs", 1, 1, 1}, Arrangement{"discs", 1, 0.5, 0.75}, Arrangement{"discs", 0.5, 2, 1},
-        Arrangement{"rectangles", 1, 1, 1}, Arrangement{"rectangles", 1, 2, 0.5}, Arrangement{"rectangles", 1, 1, 3},
-        Arrangement{"corner", 1, 1, 1}, Arrangement{"corner", 1, 2, 1}, Arrangement{"corner", 2, 1, 3}}) {
-    // a larger receiver would have light past the sheet: F₁₂ A₁ = F₂₁ A₂
-    const bool isTurned = std::string(kind) == "discs" && p2 > p1;
-    const Pair pair = isTurned ? pairOf(kind, p2, p1, p3) : pairOf(kind, p1, p2, p3);
-    const double own = factorBetween(pair.canopy, pair.canopy.count() / 2, pair.area);
-    const double factor = isTurned ? own * p2 * p2 / (p1 * p1) : own;
+  std::map<std::string, LargestError> withFew;
+  for (const ViewFactorRow& row :
+       {ViewFactorRow{"discs", 1, 1, 1}, ViewFactorRow{"discs", 1, 0.5, 0.75}, ViewFactorRow{"discs", 0.5, 2, 1},
+        ViewFactorRow{"rectangles", 1, 1, 1}, ViewFactorRow{"rectangles", 1, 2, 0.5},
+        ViewFactorRow{"rectangles", 1, 1, 3}, ViewFactorRow{"corner", 1, 1, 1}, ViewFactorRow{"corner", 1, 2, 1},
+        ViewFactorRow{"corner", 2, 1, 3}, ViewFactorRow{"sphere", 1.5, 2, 0.75}, ViewFactorRow{"sphere", 1, 1, 1}}) {
+    const double factor = row.found(kMany);
     const auto number = static_cast<double>(result.rows.size() + 1);
     result.curves[0].points.emplace_back(number, factor);
-    result.curves[1].points.emplace_back(number, viewFactor(kind, p1, p2, p3));
-    result.rows.push_back(
-        {std::string(kind) + " " + numberText(p1) + " " + numberText(p2) + " " + numberText(p3) + ", relative",
-         std::abs(factor / viewFactor(kind, p1, p2, p3) - 1.0), 0.005, ""});
+    result.curves[1].points.emplace_back(number, row.exact());
+    result.rows.push_back({row.name() + ", relative", std::abs(factor / row.exact() - 1.0), 0.005, ""});
+    withFew[row.kind].add(std::abs(row.found(kAsHelios) / row.exact() - 1.0));
+  }
+  for (const auto& [kind, error] : withFew) {
+    result.rows.push_back({kind + ", all, with 100,000 rays, relative", error.value(), std::nullopt, ""});
   }
   return result;
 }
@@ -398,7 +483,7 @@ std::span<const Case> lightCases() {
        {"closure", "Leaves without losses, and a leaf over the plot: closed forms", false, closure},
        {"layers-horizontal", "Horizontal leaves that scatter, over a ground: closed form", false, horizontalLayers},
        {"layers-spherical", "Spherical leaves that scatter, over a ground: discrete ordinates", false, sphericalLayers},
-       {"view-factors", "View factors of squares, rectangles and discs: closed forms", true, viewFactors},
+       {"view-factors", "View factors of squares, rectangles, discs and spheres: closed forms", true, viewFactors},
        {"sun", "Positions of the sun after Reda & Andreas 2004", true, sunPositions}}};
   return kCases;
 }

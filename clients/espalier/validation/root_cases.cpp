@@ -84,6 +84,15 @@ CaseResult conductance(const Data&) {
     worst.add(std::abs(flow.conductances[0] / expected - 1.0));
   }
   result.rows.push_back({"roots of 0.01 to 4000 cm, relative", worst.value(), 1e-9, ""});
+  LargestError ofBenchmarks;
+  for (const SingleRoot& root : {SingleRoot{5, 0.2, 0.0432, 0.000173, 0, -1},
+                                 {50, 0.2, 0.0432, 0.000173, 0, -1},
+                                 {20, 0.02, 0.0004, 0.00411, 0, -1}}) {
+    const double c = 2.0 * std::numbers::pi * root.radius * root.kr;
+    const double expected = std::sqrt(c * root.kx) * std::tanh(std::sqrt(c / root.kx) * root.length);
+    ofBenchmarks.add(std::abs(straightRoot(root, 7).solve({.head = -1.0}).conductances[0] / expected - 1.0));
+  }
+  result.rows.push_back({"the roots of the benchmarks, 5, 20 and 50 cm, relative", ofBenchmarks.value(), 1e-9, ""});
   return result;
 }
 

@@ -1,6 +1,8 @@
 #include "clients/espalier/validation/root_tables.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "clients/espalier/roots/root_system.h"
@@ -10,15 +12,25 @@ namespace espalier::validation {
 
 namespace {
 
-/// The rows of a root system in cm.
+/// The rows of a root system in cm. The collar of the benchmarks is the point (0, 0, 0): the published files leave out
+/// the first points of the main root, and a straight piece takes their place.
 std::vector<std::vector<std::string>> rowsOf(const roots::RootSystem& system) {
   using environment::numberText;
+  constexpr double kNear = 1.0;  // cm
   std::vector<std::vector<std::string>> rows;
+  const auto isBelowCollar = [](const roots::RootSystem::Node& node) {
+    return node.parent == roots::RootSystem::kNone && node.place.z < 0.0 && core::length(node.place) < kNear;
+  };
+  const bool hasCollar = std::ranges::none_of(system.nodes, isBelowCollar);
+  const std::uint32_t added = hasCollar ? 0 : 1;
+  if (!hasCollar) {
+    rows.push_back({"0", "-1", "0", "0", "0", "0", "1", ""});
+  }
   for (const roots::RootSystem::Node& node : system.nodes) {
     const bool isCollar = node.parent == roots::RootSystem::kNone;
-    rows.push_back({std::to_string(rows.size()), isCollar ? "-1" : std::to_string(node.parent),
-                    numberText(node.place.x), numberText(node.place.y), numberText(node.place.z),
-                    numberText(node.radius), std::to_string(node.order),
+    const std::string parent = isBelowCollar(node) ? "0" : isCollar ? "-1" : std::to_string(node.parent + added);
+    rows.push_back({std::to_string(rows.size()), parent, numberText(node.place.x), numberText(node.place.y),
+                    numberText(node.place.z), numberText(node.radius), std::to_string(node.order),
                     std::isnan(node.emergence) ? "" : numberText(node.emergence)});
   }
   return rows;

@@ -85,11 +85,12 @@ struct Case {
 [[nodiscard]] std::span<const Case> cases();
 
 /// The cases, by subject: architecture_cases.cpp, soil_cases.cpp, root_cases.cpp, uptake_cases.cpp,
-/// light_cases.cpp, forest_cases.cpp, stand_cases.cpp.
+/// weather_cases.cpp, light_cases.cpp, forest_cases.cpp, stand_cases.cpp.
 [[nodiscard]] std::span<const Case> architectureCases();
 [[nodiscard]] std::span<const Case> soilCases();
 [[nodiscard]] std::span<const Case> rootCases();
 [[nodiscard]] std::span<const Case> uptakeCases();
+[[nodiscard]] std::span<const Case> weatherCases();
 [[nodiscard]] std::span<const Case> lightCases();
 [[nodiscard]] std::span<const Case> forestCases();
 [[nodiscard]] std::span<const Case> standCases();
