@@ -16,10 +16,13 @@ import unittest
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Tuple
+from unittest import mock
 
 from support import SECONDS, Process, program, variables
 from test_mcp import COMMAND, MODEL, SDK, call, check_answers, request, said
 
+from espalier import listening
+from espalier.mcp import http as mcp_http
 from espalier.mcp import tools as mcp_tools
 from espalier.mcp.http import SESSIONS, HttpServer
 
@@ -137,18 +140,39 @@ class OverHttp(unittest.TestCase):
                 self.assertIn(words, answer["error"]["message"])
         self.assertEqual(self.send(message=first, headers={"Origin": "http://localhost:3000"})[0], 200)
 
-    def test_connections_that_say_nothing_do_not_keep_others_out_for_long(self) -> None:
-        silent = [socket.create_connection(("127.0.0.1", self.port)) for _ in range(60)]
-        for one in silent:
-            one.close()
-        end = time.monotonic() + SECONDS
-        while True:
-            try:
+    def test_connections_without_the_token_keep_no_host_out(self) -> None:
+        with ExitStack() as stack:
+            def strangers(said: bytes) -> None:
+                for _ in range(listening.WAITING + 12):
+                    stranger = stack.enter_context(socket.create_connection(("127.0.0.1", self.port), SECONDS))
+                    stranger.sendall(said)
+
+            owner = http.client.HTTPConnection("127.0.0.1", self.port, timeout=SECONDS)
+            stack.callback(owner.close)
+            for said in (b"", b"POST /mcp HTTP/1.1\r\nHost: x\r\n", b"POST /mcp HTTP/1.1\r\nAuthorization: Bearer wrong\r\nContent-Length: 9\r\n"):
+                strangers(said)
+                # at once, and again on the connection that has shown the token
+                begun = time.monotonic()
+                owner.request("POST", "/mcp", json.dumps(request(1, "initialize")), {**JSON, "Authorization": f"Bearer {TOKEN}"})
+                answer = owner.getresponse()
+                self.assertEqual((answer.status, len(answer.read()) > 9), (200, True))
                 self.begin()
-                break
-            except OSError:
-                self.assertLess(time.monotonic(), end)
-                time.sleep(0.1)
+                self.assertLess(time.monotonic() - begun, mcp_http.HEAD_SECONDS / 2)
+
+    def test_hosts_that_keep_their_connections_keep_no_other_out(self) -> None:
+        with ExitStack() as stack:
+            for _ in range(listening.TRUSTED + 5):
+                idle = http.client.HTTPConnection("127.0.0.1", self.port, timeout=SECONDS)
+                stack.callback(idle.close)
+                idle.request("POST", "/mcp", json.dumps(request(1, "ping")), {**JSON, "Authorization": f"Bearer {TOKEN}"})
+                answer = idle.getresponse()
+                self.assertEqual((answer.status, len(answer.read()) > 9), (400, True))
+            # nor does a message that does not come to its end
+            for _ in range(listening.TRUSTED + 5):
+                slow = stack.enter_context(socket.create_connection(("127.0.0.1", self.port), SECONDS))
+                slow.sendall(b"POST /mcp HTTP/1.1\r\nAuthorization: Bearer " + TOKEN.encode() +
+                             b"\r\nContent-Type: application/json\r\nContent-Length: 900\r\n\r\n{")
+            self.begin()
 
     def test_a_server_that_is_gone_is_named(self) -> None:
         session = self.begin()
@@ -167,6 +191,79 @@ class OverHttp(unittest.TestCase):
         self.process.process.terminate()
         self.assertEqual(self.process.wait(), 143)
         self.assertFalse(Path(f"/proc/{children[0]}").exists())
+
+
+class Places(unittest.TestCase):
+    """Of connections, in a server of this process that has no tools."""
+
+    def serve(self, token: Optional[str] = TOKEN) -> int:
+        def open_tools(stack: ExitStack) -> mcp_tools.Tools:
+            self.fail("no session begins")
+
+        server = HttpServer(("127.0.0.1", 0), open_tools, token)
+        self.addCleanup(server.server_close)
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        self.addCleanup(thread.join)
+        self.addCleanup(server.shutdown)
+        return int(server.server_address[1])
+
+    def test_a_head_that_comes_byte_by_byte_ends(self) -> None:
+        with mock.patch.object(mcp_http, "HEAD_SECONDS", 0.4), \
+                socket.create_connection(("127.0.0.1", self.serve()), SECONDS) as slow, self.assertRaises(OSError):
+            begun = time.monotonic()
+            while time.monotonic() - begun < SECONDS:
+                slow.sendall(b"X")
+                time.sleep(0.05)
+
+    def test_a_head_has_a_bound(self) -> None:
+        port = self.serve()
+        for head, status in ((b"GET /" + b"x" * 70_000 + b" HTTP/1.1\r\n", b" 414 "),
+                             (b"GET /mcp HTTP/1.1\r\n" + b"".join(b"X%d: " % number + b"x" * 60_000 + b"\r\n" for number in range(9)), b" 431 ")):
+            with self.subTest(status=status), socket.create_connection(("127.0.0.1", port), SECONDS) as peer:
+                try:
+                    peer.sendall(head)
+                    self.assertIn(status, peer.recv(100))
+                except ConnectionError:
+                    # it was closed while much was still on its way
+                    self.assertEqual(status, b" 431 ")
+
+    def test_a_waiting_connection_gives_way_to_one_of_its_own_address_first(self) -> None:
+        admission = listening.Admission(waiting=3, trusted=2, per_address=2)
+        near = [mock.Mock(name=f"connection {number}") for number in range(9)]
+
+        def closed() -> List[int]:
+            return [number for number, one in enumerate(near) if one.shutdown.called]
+
+        admission.enter(near[0], "192.0.2.1")
+        admission.enter(near[1], "")
+        admission.enter(near[2], "192.0.2.1")
+        admission.enter(near[3], "192.0.2.1")
+        self.assertEqual(closed(), [0])
+        # this machine has no bound of its own: the oldest of all goes
+        admission.enter(near[4], "")
+        self.assertEqual(closed(), [0, 1])
+        self.assertFalse(admission.trust(near[1]))
+        for number in (2, 3):
+            self.assertTrue(admission.trust(near[number]))
+        self.assertTrue(admission.begin(near[2]))
+        # the idle one goes for the next that is trusted, never one that is being answered
+        self.assertTrue(admission.trust(near[4]))
+        self.assertEqual(closed(), [0, 1, 3])
+        self.assertTrue(admission.begin(near[4]))
+        admission.enter(near[5], "")
+        self.assertFalse(admission.trust(near[5]))
+        admission.end(near[2])
+        self.assertTrue(admission.trust(near[5]))
+        self.assertEqual(closed(), [0, 1, 2, 3])
+        admission.leave(near[5])
+        admission.enter(near[6], "")
+        self.assertTrue(admission.trust(near[6]))
+        self.assertEqual(closed(), [0, 1, 2, 3])
+        self.assertFalse(admission.evict_one())
+        admission.enter(near[7], "")
+        self.assertTrue(admission.evict_one())
+        self.assertEqual(closed(), [0, 1, 2, 3, 7])
 
 
 class Options(unittest.TestCase):

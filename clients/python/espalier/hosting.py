@@ -14,7 +14,7 @@ import threading
 import time
 import traceback
 from types import TracebackType
-from typing import Any, Dict, List, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Type, Union
 
 from . import wire
 from .blocks import Blocks, numpy
@@ -22,6 +22,7 @@ from .connecting import connect, token_in
 from .environment_process import EnvironmentProcess
 from .errors import ConnectionLost, EspalierError, ProtocolError, ServerError
 from .geometry import NAMES, Geometry, read_geometry
+from .listening import Admission, accepted, is_loopback
 from .queries import Answer, Columns, Query, read_columns, read_opening, read_query
 from .version import VERSION
 
@@ -37,6 +38,7 @@ OFFER_TAKEN = 1016
 CLIENT_ROLES = ("controller", "viewer")
 
 CONNECT_SECONDS = 10.0
+SERVERS = 500  # that a listening environment answers at a time
 RECONNECT_SECONDS = 1.0
 
 
@@ -364,16 +366,22 @@ def hello_result(name: str, parameters: Dict[str, Any]) -> Dict[str, Any]:
 # ---- the three kinds of connection ---------------------------------------------------------------------------------
 
 
-def answer_all(host: Host, channel: wire.Channel) -> None:
-    """Answers requests until the other side ends."""
+def answer_all(host: Host, channel: wire.Channel, first_seconds: Optional[float] = None,
+               is_admitted: Callable[[], bool] = lambda: True) -> None:
+    """Answers requests until the other side ends, or has sent nothing in the first seconds. `is_admitted` is asked when the first
+    message has come, and ends it, too."""
+    is_first = True
     while True:
         try:
-            message = channel.receive()
+            message = channel.receive(first_seconds if is_first else None)
         except ProtocolError as error:
             channel.send(wire.failure(None, wire.PARSE_ERROR, str(error)))
             continue
-        if message is None:
+        except TimeoutError:
             return
+        if message is None or (is_first and not is_admitted()):
+            return
+        is_first = False
         response, blocks = host.answer(message)
         if response is not None:
             channel.send(response, blocks)
@@ -429,20 +437,34 @@ def listen(environment: Type[EnvironmentProcess], address: str) -> None:
     except OSError as error:
         raise EspalierError(f"Cannot listen on {address} ({error.strerror or error}). "
                             "Give another port, or 0 for a free one.") from None
+    admission = Admission(trusted=SERVERS)
     with listener:
         print(f"listening on {host}:{listener.getsockname()[1]}", flush=True)
         while True:
-            connection, peer = listener.accept()
+            try:
+                connection, peer = accepted(listener, admission)
+            except OSError as error:
+                print(f"cannot accept a connection: {error.strerror or error}", file=sys.stderr)
+                continue
+            admission.enter(connection, "" if is_loopback(peer[0]) else peer[0])
             channel = wire.SocketChannel(connection, f"{peer[0]}:{peer[1]}")
-            threading.Thread(target=_serve_connection, args=(environment, channel), daemon=True).start()
+            try:
+                threading.Thread(target=_serve_connection, args=(environment, channel, admission), daemon=True).start()
+            except RuntimeError as error:
+                print(f"cannot answer {channel.peer}: {error}", file=sys.stderr)
+                admission.leave(connection)
+                channel.close()
 
 
-def _serve_connection(environment: Type[EnvironmentProcess], channel: wire.SocketChannel) -> None:
+def _serve_connection(environment: Type[EnvironmentProcess], channel: wire.SocketChannel, admission: Admission) -> None:
+    connection = channel.release()
     try:
-        answer_all(Host(environment), channel)
+        # a server that has spoken keeps its place, however long it computes
+        answer_all(Host(environment), channel, CONNECT_SECONDS, lambda: admission.trust(connection) and admission.begin(connection))
     except EspalierError as error:
         print(error, file=sys.stderr)
     finally:
+        admission.leave(connection)
         channel.close()
 
 

@@ -4,6 +4,7 @@ import contextlib
 import io
 import json
 import os
+import resource
 import signal
 import socket
 import subprocess
@@ -428,6 +429,40 @@ class Programs(unittest.TestCase):
                 channel.close()
             finally:
                 process.terminate()
+
+    def test_silent_connections_keep_no_server_out(self) -> None:
+        def bound() -> None:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (40, 40))
+
+        with subprocess.Popen([*self.command, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                              env=self.variables, text=True, preexec_fn=bound) as process, contextlib.ExitStack() as stack:
+            stack.callback(process.terminate)
+            assert process.stdout is not None
+            host, port = wire.parse_address(process.stdout.readline().split()[-1])
+            known = wire.SocketChannel.connect(host, port, 10)
+            stack.callback(known.close)
+            self.assertEqual(hosting.call(known, 1, "environment.describe", {})["name"], "ceiling")
+            for _ in range(100):
+                stack.enter_context(socket.create_connection((host, port), 10))
+            for number in range(5):
+                channel = wire.SocketChannel.connect(host, port, 10)
+                stack.callback(channel.close)
+                self.assertEqual(hosting.call(channel, number, "environment.describe", {})["name"], "ceiling")
+            # and the one that has spoken was not closed for them
+            self.assertEqual(hosting.call(known, 2, "environment.describe", {})["name"], "ceiling")
+
+    def test_a_silent_connection_ends_before_the_first_message_only(self) -> None:
+        near, far = socket.socketpair()
+        with near, far:
+            hosting.answer_all(hosting.Host(Doubler), wire.SocketChannel(near, "silent"), 0.05)
+            far.sendall(wire.encode(wire.request(1, "environment.open", {"simulation": "s"})))
+            answering = threading.Thread(target=hosting.answer_all, args=(hosting.Host(Doubler), wire.SocketChannel(near, "peer"), 5.0))
+            answering.start()
+            channel = wire.SocketChannel(far, "host")
+            self.assertEqual((channel.receive(10) or {})["id"], 1)
+            far.shutdown(socket.SHUT_WR)
+            answering.join(10)
+            self.assertFalse(answering.is_alive())
 
     def test_an_interrupt_ends_it_cleanly(self) -> None:
         ways: List[List[str]] = [["--listen", "127.0.0.1:0"], []]

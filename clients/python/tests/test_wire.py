@@ -1,12 +1,16 @@
 """The codec: messages as lines."""
 
+import io
 import math
 import socket
+import struct
 import unittest
+from array import array
 
 from espalier import wire
 from espalier.errors import ConnectionLost, ProtocolError
 from espalier.requests import result_of
+from espalier.websocket import Frames
 
 
 class Codec(unittest.TestCase):
@@ -55,6 +59,30 @@ class Codec(unittest.TestCase):
         for wrong in ("localhost", "host:", "host:70000", ""):
             with self.assertRaisesRegex(ProtocolError, "Expected HOST:PORT"):
                 wire.parse_address(wrong)
+
+
+class WebSockets(unittest.TestCase):
+    def test_raw_bytes_begin_at_the_next_multiple_of_eight_for_every_length_of_the_json(self) -> None:
+        paddings = set()
+        for extra in range(8):
+            frames = Frames("peer")
+            sent = frames.encoded({"text": "x" * (100 + extra)}, {"a": array("d", [1.5, -2.0])})
+            kind, size, mask = sent[0] & 15, struct.unpack_from(">H", sent, 2)[0], sent[4:8]
+            self.assertEqual((kind, sent[1], len(sent)), (2, 0x80 | 126, 8 + size))
+            data = bytes(byte ^ mask[i % 4] for i, byte in enumerate(sent[8:]))
+            length = struct.unpack_from("<I", data)[0]
+            begin = (4 + length + 7) // 8 * 8
+            paddings.add(begin - 4 - length)
+            self.assertEqual(data[4 + length:], bytes(begin - 4 - length) + struct.pack("<2d", 1.5, -2.0))
+            # the way back: from a server, which masks nothing
+            reading = frames.message(True)
+            stream = io.BytesIO(bytes([0x82, 126]) + struct.pack(">H", size) + data)
+            asked = next(reading)
+            with self.assertRaises(StopIteration) as end:
+                while isinstance(asked, int):
+                    asked = reading.send(stream.read(asked))
+            self.assertEqual(list(end.exception.value.blocks["a"]), [1.5, -2.0])
+        self.assertEqual(paddings, set(range(8)))
 
 
 class Sockets(unittest.TestCase):

@@ -5,25 +5,31 @@ are no streams of the server's own. A session holds its simulations until DELETE
 from __future__ import annotations
 
 import hmac
+import io
 import json
 import secrets
 import socket
 import threading
+import time
 from collections import OrderedDict
 from contextlib import ExitStack
+from http.client import HTTPException
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, Callable, Dict, Optional, Tuple
 from urllib.parse import urlsplit
 
 from .. import wire
 from ..errors import EspalierError
+from ..listening import Admission, accepted, is_loopback
 from . import LINE_BYTES, VERSIONS, Conversation
 from .tools import Tools
 
 PATH = "/mcp"
 SESSIONS = 8
-CONNECTIONS = 32
-IDLE_SECONDS = 60.0  # of a connection
+HEAD_SECONDS = 10.0  # for the whole head of a first request
+IDLE_SECONDS = 60.0  # for the whole head of a later request, for a message, and for reading an answer
+HEAD_BYTES = 131_072
+READ_BYTES = 65_536  # at a time
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
 
@@ -58,20 +64,20 @@ class HttpServer(ThreadingHTTPServer):
         self._open_tools = open_tools
         self._sessions: "OrderedDict[str, Session]" = OrderedDict()  # the one used last at the end
         self._lock = threading.Lock()
-        self._places = threading.BoundedSemaphore(CONNECTIONS)
+        self.admission = Admission()
         super().__init__(address, Handler)
 
-    def process_request(self, request: Any, client_address: Any) -> None:
-        if self._places.acquire(blocking=False):
-            super().process_request(request, client_address)
-        else:
-            self.shutdown_request(request)
+    def get_request(self) -> Tuple[Any, Any]:
+        return accepted(self.socket, self.admission)
 
-    def process_request_thread(self, request: Any, client_address: Any) -> None:
-        try:
-            super().process_request_thread(request, client_address)
-        finally:
-            self._places.release()
+    def process_request(self, request: Any, client_address: Any) -> None:
+        self.admission.enter(request, "" if is_loopback(client_address[0]) else client_address[0])
+        super().process_request(request, client_address)
+
+    def shutdown_request(self, request: Any) -> None:
+        # before its descriptor may be another connection's
+        self.admission.leave(request)
+        super().shutdown_request(request)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A host that leaves, or sends nothing for long, ends its connection."""
@@ -105,10 +111,47 @@ class HttpServer(ThreadingHTTPServer):
             self.end_session(identifier)
 
 
+class Incoming(io.RawIOBase):
+    """What a peer sends, up to a moment and a number of bytes: a peer that sends byte after byte ends at them, too."""
+
+    def __init__(self, connection: socket.socket) -> None:
+        self._connection = connection
+        self.allow(HEAD_SECONDS, HEAD_BYTES)
+
+    def allow(self, seconds: float, byte_count: int) -> None:
+        self._end, self._left = time.monotonic() + seconds, byte_count
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        seconds = self._end - time.monotonic()
+        if seconds <= 0.0:
+            raise socket.timeout("the request is not complete")
+        if self._left <= 0:
+            raise HTTPException("the request is too long")
+        self._connection.settimeout(seconds)
+        count = self._connection.recv_into(buffer)
+        self._left -= count
+        return count
+
+
 class Handler(BaseHTTPRequestHandler):
     server: HttpServer
     protocol_version = "HTTP/1.1"
-    timeout = IDLE_SECONDS
+
+    def setup(self) -> None:
+        super().setup()
+        self._incoming = Incoming(self.connection)
+        self._seconds = HEAD_SECONDS
+        self.rfile = io.BufferedReader(self._incoming, READ_BYTES)
+
+    def handle_one_request(self) -> None:
+        self._incoming.allow(self._seconds, HEAD_BYTES)
+        try:
+            super().handle_one_request()
+        finally:
+            self.server.admission.end(self.connection)
 
     def version_string(self) -> str:
         return "espalier"
@@ -127,7 +170,13 @@ class Handler(BaseHTTPRequestHandler):
         elif self.headers.get_content_type() != "application/json":
             self._refuse(415, "Send one message of JSON-RPC with Content-Type: application/json.")
         else:
-            self._answer(self.rfile.read(int(length)))
+            self._incoming.allow(IDLE_SECONDS, int(length) + READ_BYTES)
+            body = self.rfile.read(int(length))
+            # a message that comes slowly may lose its place until here
+            if len(body) == int(length) and self.server.admission.begin(self.connection):
+                self._answer(body)
+            else:
+                self.close_connection = True
 
     def _answer(self, body: bytes) -> None:
         named = self.headers.get("Mcp-Session-Id")
@@ -173,7 +222,10 @@ class Handler(BaseHTTPRequestHandler):
             self._refuse(401, "This server needs its token: Authorization: Bearer TOKEN.", {"WWW-Authenticate": "Bearer"})
         elif version is not None and version not in VERSIONS:
             self._refuse(400, f"MCP-Protocol-Version must be one of {', '.join(VERSIONS)}.")
+        elif not self.server.admission.trust(self.connection):
+            self._refuse(503, "All connections of this server are being answered. Ask again.")
         else:
+            self._seconds = IDLE_SECONDS
             return True
         return False
 
@@ -184,6 +236,7 @@ class Handler(BaseHTTPRequestHandler):
         self._send(status, json.dumps(answer).encode(), headers or {})
 
     def _send(self, status: int, body: bytes, headers: Optional[Dict[str, str]] = None) -> None:
+        self.connection.settimeout(IDLE_SECONDS)
         self.send_response(status)
         sent = {**(headers or {}), **({"Connection": "close"} if self.close_connection else {}),
                 **({"Content-Type": "application/json"} if body else {}), **({} if status == 204 else {"Content-Length": str(len(body))})}
