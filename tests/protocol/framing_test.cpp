@@ -200,5 +200,27 @@ TEST(WebSocketFrame, ABinaryFrameCarriesWhatTheStreamCarries) {
   EXPECT_EQ(cut->error().error.message, "binBytes: the frame has 24 raw bytes behind its JSON, found 32");
 }
 
+TEST(WebSocketFrame, TheRawBytesBeginAtTheNextMultipleOfEightForEveryLengthOfTheJson) {
+  std::size_t aligned = 0;
+  for (std::size_t extra = 0; extra < 16; ++extra) {
+    const std::string line = R"({"jsonrpc":"2.0","id":1,"method":"m","params":{"text":")" + std::string(extra, 'x') +
+                             R"("},"binBytes":8,"bin":[{"name":"a","dtype":"<f8","shape":[1],"offset":0,"bytes":8}]})";
+    const double value = 1.5;
+    const std::string raw(reinterpret_cast<const char*>(&value), sizeof(value));
+    // no byte more than the four of the length, the JSON and up to seven zeros
+    const std::string frame = binaryFrame(line + "\n" + raw);
+    const std::size_t head = 4 + line.size();
+    const std::size_t padding = (head + 7) / 8 * 8 - head;
+    aligned += padding == 0 ? 1U : 0U;
+    EXPECT_EQ(frame.substr(4), line + std::string(padding, '\0') + raw) << line.size();
+    BulkTextReader bulk;
+    std::optional<Error> problem;
+    const Message read = messageOf(readFrame(frame, true, true, bulk, problem));
+    EXPECT_EQ(read.payload.blocks()->doubles(*read.payload.blocks()->find("a"))[0], 1.5) << line.size();
+    EXPECT_FALSE(problem.has_value());
+  }
+  EXPECT_EQ(aligned, 2U);
+}
+
 }  // namespace
 }  // namespace espalier::protocol::framing_test

@@ -7,6 +7,7 @@ import { dirname, join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { ConnectionLost, ServerError, connect } from "../dist/node.js";
+import { decodeFrame, encodeFrame } from "../dist/wire.js";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const program = process.env.ESPALIER_PROGRAM;
@@ -58,6 +59,20 @@ function tableOf(geometry) {
   const organs = Object.fromEntries(["Plant", "Module", "Kind", "Vertices", "Triangles"].map((name) => [name, [...geometry.organs.column(name)]]));
   return { segments, organs, vertices: [...geometry.vertices.column("Position")], triangles: [...geometry.triangles.column("Corners")] };
 }
+
+test("raw bytes begin at the next multiple of eight for every length of the text", () => {
+  const paddings = new Set();
+  for (let extra = 0; extra < 8; extra += 1) {
+    const message = { jsonrpc: "2.0", method: "m", params: { text: "x".repeat(extra) } };
+    const frame = encodeFrame(message, [{ name: "a", values: new Float64Array([1.5, -2]) }]);
+    const end = 4 + new DataView(frame.buffer).getUint32(0, true);
+    const begin = Math.ceil(end / 8) * 8;
+    paddings.add(begin - end);
+    assert.deepEqual([...frame.subarray(end)], [...new Uint8Array(begin - end), ...new Uint8Array(new Float64Array([1.5, -2]).buffer)]);
+    assert.deepEqual([...decodeFrame(frame.buffer).blocks.a], [1.5, -2]);
+  }
+  assert.equal(paddings.size, 8);
+});
 
 test("a viewer of differences holds what a viewer of whole frames holds", async () => {
   const simulation = await client.create({ model: { source: GROWING }, seed: 7, environment: [{ type: "honda", radius: 0.1 }] });
