@@ -24,5 +24,31 @@ class Mutants(unittest.TestCase):
         self.assertEqual({name: counted[name] >= 10 for name in libraries}, {name: True for name in libraries})
 
 
+class Switches(unittest.TestCase):
+    """A mutant beside the text that it replaces, in one program."""
+
+    def test_conditions_declarations_and_statements(self) -> None:
+        for text, other, made in (
+                ("if (a < b) {", "if (a > b) {", "if (espalierMutant() == 7 ? bool(a > b) : bool(a < b)) {"),
+                ("if (const auto c = f(); c && d) {", "if (const auto c = f(); c) {",
+                 "if (const auto c = f(); espalierMutant() == 7 ? bool(c) : bool(c && d)) {"),
+                ("if (a) {\n  return;", "if (b) {\n  return;", "if (espalierMutant() == 7 ? bool(b) : bool(a)) {\n  return;"),
+                ("const double x = a;", "const double x = b;", "const double x = espalierMutant() == 7 ? (b) : (a);"),
+                ("x = a;", "x = b;", "if (espalierMutant() == 7) { x = b; } else { x = a; }"),
+                ("return a;", "return b;", "if (espalierMutant() == 7) { return b; } else { return a; }"),
+                ("if (a) {\n  y = b;", "if (a) {", "if (a) {\nif (espalierMutant() == 7) {  } else { y = b; }"),
+                ("x = a ||\n    b;", "x = a;", "if (espalierMutant() == 7) { x = a; } else { x = a ||\n    b; }")):
+            self.assertEqual(mutate.switched(text, other, 7, "{\n  f();\n  // why\n  "), made)
+
+    def test_a_part_of_an_expression_is_none(self) -> None:
+        for text, other, before in (("a <= b ?", "a < b ?", "{\n  "), ("a == b);", "a <= b);", "f(c &&\n  "),
+                                    ("if (const auto c = f(); c) {", "if (const auto c = g(); c) {", "{\n  ")):
+            self.assertIsNone(mutate.switched(text, other, 7, before))
+
+    def test_most_mutants_can_be_chosen_when_the_program_runs(self) -> None:
+        known = mutate.mutants()
+        self.assertGreater(sum(map(mutate.is_switchable, known)), 0.9 * len(known))
+
+
 if __name__ == "__main__":
     unittest.main()
