@@ -51,6 +51,8 @@ void appendAccounts(std::string& text, const std::vector<AccountGauges>& account
          [](const AccountGauges& account) { return std::to_string(account.simulations); });
   family("espalier_account_streams", "gauge", "Streams of an account.",
          [](const AccountGauges& account) { return std::to_string(account.streams); });
+  family("espalier_account_trace_bytes", "gauge", "Traces of an account in the data folder.",
+         [](const AccountGauges& account) { return std::to_string(account.traceBytes); });
   family("espalier_account_cpu_seconds_total", "counter", "Processor time of an account.",
          [](const AccountGauges& account) { return numberText(account.cpuSeconds); });
 }

@@ -47,6 +47,7 @@ struct AccountGauges {
   std::vector<std::pair<std::string, std::uint64_t>> bytes;  // by what they are for
   std::uint64_t simulations = 0;
   std::uint64_t streams = 0;
+  std::uint64_t traceBytes = 0;
   double cpuSeconds = 0.0;
 };
 

@@ -37,14 +37,14 @@ struct ServerOptions {
   std::string galleryFolder;  // empty: no gallery models by name
   std::string modelsFolder;   // of models that clients save; empty: none
   std::vector<Token> tokens;  // none: clients need none; any address but loopback needs one
-  /// Reads the tokens again when SIGHUP comes, on a worker. Null: SIGHUP stops the server.
-  std::function<tl::expected<std::vector<Token>, std::string>()> readTokens;
-  struct ReadLimits {
-    ServerLimits limits;
+  struct ReadAgain {
+    std::vector<Token> tokens{};
+    std::optional<ServerLimits> limits{};    // none: they stay
     std::vector<std::string> restartKeys{};  // of the configuration: changed, but read only at start
   };
-  /// Reads the limits again when SIGHUP comes, on a worker. Null: they stay.
-  std::function<tl::expected<ReadLimits, std::string>()> readLimits;
+  /// Reads tokens and limits again when SIGHUP comes, on a worker. After an error sentence all stay as they are. Null:
+  /// nothing is read again but a certificate; without one SIGHUP stops the server.
+  std::function<tl::expected<ReadAgain, std::string>()> readAgain;
   /// Called once, when the server serves and handles signals. Null: nothing.
   std::function<void()> readySignal;
   /// Called on the network thread about once a second while the server serves. Null: nothing.
@@ -72,8 +72,8 @@ class Server {
   [[nodiscard]] std::uint16_t port() const;
   /// The port of the HTTP side; 0: there is none.
   [[nodiscard]] std::uint16_t httpPort() const;
-  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it. SIGHUP reads the tokens and the
-  /// limits again where there is readTokens or readLimits; else it stops the server, unless it is ignored (nohup).
+  /// Serves until stopped. `handleSignals`: SIGINT and SIGTERM stop it. SIGHUP reads tokens, limits and certificate
+  /// again where there is readAgain or a certificate; else it stops the server, unless it is ignored (nohup).
   void run(bool handleSignals);
   void stop();
 

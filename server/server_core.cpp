@@ -4,6 +4,7 @@
 #include <random>
 #include <utility>
 
+#include "engine/core/check.h"
 #include "server/running/turn_meter.h"
 #include "server/session/session.h"
 #include "server/store/database.h"
@@ -25,10 +26,6 @@ std::string randomName() {
     name += kDigits[device() & 15U];
   }
   return name;
-}
-
-std::string tracesOf(const ServerOptions& options) {
-  return options.dataFolder.empty() ? std::string() : options.dataFolder + "/traces";
 }
 
 std::string listText(const std::vector<std::string>& parts) {
@@ -57,7 +54,6 @@ ServerCore::ServerCore(ServerOptions options)
       models_(options_.galleryFolder, store_),
       savedModels_(options_.modelsFolder, options_.limits.savedModelBytes),
       pool_({.workers = options_.workers}) {
-  traceRoom_.setBound(options_.limits.traceBytes);
   boundHeaps(pool_.workers());
 }
 
@@ -71,7 +67,11 @@ ServerCore::~ServerCore() {
   simulations_.clear();
 }
 
-EnvironmentServices ServerCore::environmentServices() {
+TraceFolder ServerCore::tracesOf(Account& owner) const {
+  return {options_.dataFolder.empty() ? std::string() : options_.dataFolder + "/traces", &owner.traceRoom()};
+}
+
+EnvironmentServices ServerCore::environmentServices(Account& owner) {
   EnvironmentServices services;
   services.offered = &offered_;
   services.permissions = &options_.remote;
@@ -81,9 +81,7 @@ EnvironmentServices ServerCore::environmentServices() {
     metrics.environmentSeconds.observe(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   };
   services.metrics = &metrics;
-  if (!options_.dataFolder.empty()) {
-    services.traces = {tracesOf(options_), &traceRoom_};
-  }
+  services.traces = tracesOf(owner);
   services.galleryFolder = options_.galleryFolder;
   services.threads = options_.threads;
   services.connectTimeout = std::chrono::milliseconds(limits().environmentConnectMilliseconds);
@@ -97,46 +95,57 @@ const std::string& ServerCore::builtInEnvironments(const std::function<std::stri
   return builtInEnvironments_;
 }
 
-void ServerCore::readTokensAgain() {
+void ServerCore::readAgain(ReadMore more, std::function<void()> whenChanged) {
   pool_.post({.run =
-                  [this] {
-                    auto tokens = options_.readTokens();
-                    if (!tokens) {
-                      log_.error("the tokens stay as they are: " + tokens.error());
-                      return;
-                    }
-                    const std::size_t count = tokens->size();
-                    if (access_.replace(std::move(*tokens))) {
-                      log_.info("read the tokens again: " + std::to_string(count));
-                    } else {
-                      log_.error(
-                          "the tokens stay as they are: without any, the server would be open. Stop it instead.");
+                  [this, more = std::move(more), whenChanged = std::move(whenChanged)] {
+                    const std::lock_guard lock(readingMutex_);
+                    if (const auto problem = readAllAgain(more, whenChanged)) {
+                      log_.error("tokens, limits and certificate stay as they are: " + *problem);
                     }
                   },
-              .owner = "tokens"});
+              .owner = "reading again"});
 }
 
-void ServerCore::readLimitsAgain(std::function<void()> whenChanged) {
-  pool_.post({.run =
-                  [this, whenChanged = std::move(whenChanged)] {
-                    const auto read = options_.readLimits();
-                    if (!read) {
-                      log_.error("the limits stay as they are: " + read.error());
-                      return;
-                    }
-                    if (!read->restartKeys.empty()) {
-                      log_.warn("changed in the configuration, and read only when the server starts: " +
-                                listText(read->restartKeys));
-                    }
-                    if (setLimits(read->limits)) {
-                      whenChanged();
-                    }
-                  },
-              .owner = "limits"});
+std::optional<std::string> ServerCore::readAllAgain(const ReadMore& more, const std::function<void()>& whenChanged) {
+  // everything that can fail before anything changes
+  std::function<void()> putMore;
+  if (more) {
+    auto read = more();
+    if (!read) {
+      return std::move(read.error());
+    }
+    putMore = std::move(*read);
+  }
+  ServerOptions::ReadAgain fresh;
+  if (options_.readAgain) {
+    auto read = options_.readAgain();
+    if (!read) {
+      return std::move(read.error());
+    }
+    fresh = std::move(*read);
+    if (fresh.tokens.empty() && access_.hasTokens()) {
+      return "without any token the server would be open. Stop it instead.";
+    }
+    if (const auto problem = fresh.limits ? store_.setMaximumBytes(fresh.limits->storeBytes) : std::nullopt) {
+      return "the limit storeBytes: " + *problem;
+    }
+    const std::size_t count = fresh.tokens.size();
+    ESPALIER_CHECK(access_.replace(std::move(fresh.tokens)));
+    log_.info("read the tokens again: " + std::to_string(count));
+  }
+  if (!fresh.restartKeys.empty()) {
+    log_.warn("changed in the configuration, and read only when the server starts: " + listText(fresh.restartKeys));
+  }
+  if (fresh.limits && setLimits(*fresh.limits)) {
+    whenChanged();
+  }
+  if (putMore) {
+    putMore();
+  }
+  return std::nullopt;
 }
 
 bool ServerCore::setLimits(const ServerLimits& fresh) {
-  const std::lock_guard lock(limitsMutex_);
   std::vector<std::string> now;
   std::vector<std::string> later;
   for (const LimitEntry& entry : limitEntries()) {
@@ -153,10 +162,6 @@ bool ServerCore::setLimits(const ServerLimits& fresh) {
   limits_.set(fresh);
   accounts_.setLimits(fresh);
   savedModels_.setMostBytes(fresh.savedModelBytes);
-  traceRoom_.setBound(fresh.traceBytes);
-  if (const auto problem = store_.setMaximumBytes(fresh.storeBytes)) {
-    log_.error("the limit storeBytes stays as it was: " + *problem);
-  }
   if (!now.empty()) {
     log_.info("read the limits again: " + listText(now));
   }
@@ -166,17 +171,29 @@ bool ServerCore::setLimits(const ServerLimits& fresh) {
   return true;
 }
 
+void ServerCore::countTraces(const std::vector<Store::Entry>& entries) {
+  const std::string folder = tracesOf(accounts_.server()).path;
+  // those of simulations that are no more count for the server only
+  std::uint64_t others = SimulationTrace::bytesIn(folder);
+  for (const Store::Entry& entry : entries) {
+    const std::uint64_t bytes = SimulationTrace::bytesOf(folder, entry.id);
+    accounts_.of(entry.owner).traceRoom().add(static_cast<std::int64_t>(bytes));
+    others -= std::min(others, bytes);
+  }
+  accounts_.server().traceRoom().add(static_cast<std::int64_t>(others));
+}
+
 std::optional<std::string> ServerCore::loadSaved() {
   if (auto problem = store_.open()) {
     return problem;
   }
-  traceRoom_.add(static_cast<std::int64_t>(SimulationTrace::bytesIn(tracesOf(options_))));
   models_.loadKept();
   const auto saved = store_.simulations();
   if (!saved) {
     return saved.error();
   }
   const auto& entries = *saved;
+  countTraces(entries);
   for (const Store::Entry& entry : entries) {
     loadOne(entry);
   }
@@ -202,10 +219,10 @@ void ServerCore::loadOne(const Store::Entry& entry) {
     const Store::State state = store_.readState(entry.id);
     information.damage = state.problem;
     if (state.problem.empty()) {
-      auto loaded =
-          HostedSimulation::load(std::move(*record), state.bytes, limits().simulation, environmentServices(), store_);
+      Account& owner = accounts_.of(entry.owner);
+      auto loaded = HostedSimulation::load(std::move(*record), state.bytes, limits().simulation,
+                                           environmentServices(owner), store_);
       if (loaded) {
-        Account& owner = accounts_.of(entry.owner);
         add(entry.id, std::move(*loaded));
         keepRoom(owner);
         return;
@@ -219,7 +236,7 @@ void ServerCore::loadOne(const Store::Entry& entry) {
   }
   log_.warn("is not loaded: " + information.damage, {.simulation = entry.id});
   const std::lock_guard lock(mutex_);
-  damaged_.emplace(entry.id, Damaged{std::move(information), code});
+  damaged_.emplace(entry.id, Damaged{std::move(information), code, entry.owner});
 }
 
 std::vector<protocol::SimulationInformation> ServerCore::damaged() const {
@@ -237,7 +254,7 @@ std::optional<protocol::Error> ServerCore::findDamaged(const std::string& simula
   if (found == damaged_.end()) {
     return std::nullopt;
   }
-  const auto& [information, code] = found->second;
+  const auto& [information, code, owner] = found->second;
   return protocol::Error{
       code,
       "Simulation '" + simulation + "' could not be loaded: " + information.damage + " simulation.delete removes it.",
@@ -249,8 +266,9 @@ std::optional<std::string> ServerCore::removeDamaged(const std::string& simulati
     return problem;
   }
   const std::lock_guard lock(mutex_);
-  if (damaged_.erase(simulation) > 0) {
-    SimulationTrace::removeAll({tracesOf(options_), &traceRoom_}, simulation);
+  if (const auto found = damaged_.find(simulation); found != damaged_.end()) {
+    SimulationTrace::removeAll(tracesOf(accounts_.of(found->second.owner)), simulation);
+    damaged_.erase(found);
   }
   return std::nullopt;
 }
@@ -324,7 +342,8 @@ protocol::Expected<std::unique_ptr<HostedSimulation>> ServerCore::loadAgain(cons
   if (!state.problem.empty()) {
     return tl::unexpected(protocol::Error{protocol::ErrorCode::Storage, state.problem + ".", {}});
   }
-  return HostedSimulation::load(std::move(known), state.bytes, limits().simulation, environmentServices(), store_);
+  return HostedSimulation::load(std::move(known), state.bytes, limits().simulation,
+                                environmentServices(accounts_.of(entry->owner)), store_);
 }
 
 bool ServerCore::makePassive(const Account* account, const std::function<bool()>& isWanted) {

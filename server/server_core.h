@@ -53,22 +53,21 @@ class ServerCore {
   [[nodiscard]] const Accounts& accounts() const { return accounts_; }
   [[nodiscard]] Store& store() { return store_; }
   [[nodiscard]] const Store& store() const { return store_; }
-  [[nodiscard]] const DiskRoom& traceRoom() const { return traceRoom_; }
-  [[nodiscard]] EnvironmentServices environmentServices();
+  /// Where the traces of an owner are.
+  [[nodiscard]] TraceFolder tracesOf(Account& owner) const;
+  /// For simulations of that owner.
+  [[nodiscard]] EnvironmentServices environmentServices(Account& owner);
   /// Brings the memory of SQLite in the account of the server up to date. Nothing waits in it.
   void countDatabase();
 
   /// What `describe` says of the environments of this program. It is asked once: to make them all takes milliseconds.
   [[nodiscard]] const std::string& builtInEnvironments(const std::function<std::string()>& describe);
 
-  /// Has a worker read the tokens again. A mistake is logged, and the tokens stay as they are.
-  void readTokensAgain();
-
-  /// Has a worker read the limits again. It logs which of them have changed. A mistake is logged, and the limits stay
-  /// as they are. `whenChanged` is called on the worker.
-  void readLimitsAgain(std::function<void()> whenChanged);
-  /// Other limits from now on. False: they are the same.
-  bool setLimits(const ServerLimits& fresh);
+  /// Reads something more. What it returns puts that in place.
+  using ReadMore = std::function<tl::expected<std::function<void()>, std::string>()>;
+  /// Has a worker read tokens, limits and `more` (null: nothing) again. The log says what has changed. After a mistake
+  /// in any of them nothing has. `whenChanged` is called on the worker after the limits have changed.
+  void readAgain(ReadMore more, std::function<void()> whenChanged);
 
   /// Loads what the data folder has. An error sentence when the folder cannot be used.
   [[nodiscard]] std::optional<std::string> loadSaved();
@@ -114,6 +113,12 @@ class ServerCore {
   [[nodiscard]] std::chrono::steady_clock::time_point started() const { return started_; }
 
  private:
+  /// An error sentence, and nothing has changed; or nothing.
+  [[nodiscard]] std::optional<std::string> readAllAgain(const ReadMore& more, const std::function<void()>& whenChanged);
+  /// Other limits from now on. False: they are the same.
+  bool setLimits(const ServerLimits& fresh);
+  /// Counts the traces that are in the data folder for the owners of their simulations.
+  void countTraces(const std::vector<Store::Entry>& entries);
   void loadOne(const Store::Entry& entry);
   [[nodiscard]] protocol::Expected<std::unique_ptr<HostedSimulation>> loadAgain(const std::string& simulation);
   /// Makes simulations passive, of the account or, when it is null, of any: the one that was used least recently first,
@@ -124,11 +129,10 @@ class ServerCore {
   Log log_;
   Access access_;
   LiveLimits limits_;
-  std::mutex limitsMutex_;  // one change at a time
+  std::mutex readingMutex_;  // one SIGHUP at a time
   Accounts accounts_;
   std::mutex databaseMutex_;
   Holding databaseMemory_{accounts_.server(), MemoryKind::Database};
-  DiskRoom traceRoom_;
   OfferedEnvironments offered_;
   Store store_;
   ModelStore models_;
@@ -142,6 +146,7 @@ class ServerCore {
   struct Damaged {
     protocol::SimulationInformation information;
     protocol::ErrorCode code = protocol::ErrorCode::Storage;
+    std::string owner{};
   };
   std::map<std::string, Damaged> damaged_;
   std::once_flag areEnvironmentsDescribed_;

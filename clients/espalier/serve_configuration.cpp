@@ -163,31 +163,33 @@ std::optional<std::string> readServeConfiguration(CLI::App& command, const std::
   return readItems(file, [&](const CLI::ConfigItem& item) { return applyItem(command, options, item); });
 }
 
-std::optional<std::string> readConfiguredTokens(const std::string& file, std::vector<server::Token>& tokens) {
-  return readItems(file, [&tokens](const CLI::ConfigItem& item) {
-    return sectionOf(item) == "tokens" ? applyToken(tokens, item) : std::nullopt;
-  });
-}
-
-std::optional<std::string> readConfiguredLimits(const CLI::App& command, const std::string& file, bool hasLimits,
-                                                server::ServerLimits& limits) {
+tl::expected<ConfiguredAgain, std::string> readConfigurationAgain(const CLI::App& command, const std::string& file,
+                                                                  bool hasLimits) {
+  ConfiguredAgain read;
   std::vector<std::string> names;
   auto problem = readItems(file, [&](const CLI::ConfigItem& item) -> std::optional<std::string> {
     const std::string section = sectionOf(item);
+    if (section == "tokens") {
+      return applyToken(read.tokens, item);
+    }
     if (section != "limits") {
-      return section == "spawn" || section == "tokens" ? std::nullopt : whyUnknown(command, item);
+      read.items[item.fullname()] = item.inputs;
+      return section == "spawn" ? std::nullopt : whyUnknown(command, item);
     }
     if (std::find(names.begin(), names.end(), item.name) != names.end()) {
       return "the limit '" + item.name + "' is there twice.";
     }
     names.push_back(item.name);
-    return applyLimit(limits, item);
+    return applyLimit(read.limits, item);
   });
   if (!problem && hasLimits && names.empty()) {
     problem = "the configuration '" + file + "' has no limit any more: perhaps it is only half written. To have the " +
               "defaults, write one of them under [limits].";
   }
-  return problem;
+  if (problem) {
+    return tl::unexpected(std::move(*problem));
+  }
+  return read;
 }
 
 bool setsLimits(const std::string& file) {

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tl/expected.hpp>
 #include <vector>
 
 #include "server/server.h"
@@ -19,15 +20,19 @@ namespace espalier::command {
 [[nodiscard]] std::optional<std::string> readServeConfiguration(CLI::App& command, const std::string& file,
                                                                 server::ServerOptions& options);
 
-/// Adds the tokens of the section [tokens] of a configuration; nothing else is used. An error sentence as above.
-[[nodiscard]] std::optional<std::string> readConfiguredTokens(const std::string& file,
-                                                              std::vector<server::Token>& tokens);
+/// What a server reads of its configuration again while it runs.
+struct ConfiguredAgain {
+  std::vector<server::Token> tokens;                      // of the section [tokens]
+  server::ServerLimits limits;                            // of the section [limits]
+  std::map<std::string, std::vector<std::string>> items;  // as readStartItems()
+};
 
-/// The limits of the section [limits] of a configuration. The rest is not used, but an unknown key in it is an error,
-/// too, as when a server starts. `hasLimits`: without the section the file counts as damaged. An error sentence as
-/// above.
-[[nodiscard]] std::optional<std::string> readConfiguredLimits(const CLI::App& command, const std::string& file,
-                                                              bool hasLimits, server::ServerLimits& limits);
+/// Reads a configuration again, once, so that tokens and limits are of one state of the file. An unknown key is an
+/// error as when a server starts. `hasLimits`: without the section [limits] the file counts as damaged. An error
+/// sentence as above.
+[[nodiscard]] tl::expected<ConfiguredAgain, std::string> readConfigurationAgain(const CLI::App& command,
+                                                                                const std::string& file,
+                                                                                bool hasLimits);
 
 /// Whether a configuration sets a limit.
 [[nodiscard]] bool setsLimits(const std::string& file);

@@ -27,7 +27,7 @@ HttpPage metricsPage(const ServerCore& core) {
                 .outboxBytes = core.outboxBytes(),
                 .decodingBytes = core.decodingBytes,
                 .storeBytes = core.store().bytes(),
-                .traceBytes = core.traceRoom().used()};
+                .traceBytes = core.accounts().server().traceRoom().used()};
   gauges.databaseBytes = core.accounts().server().bytes(MemoryKind::Database);
   gauges.stringBytes = core.accounts().server().bytes(MemoryKind::Strings);
   for (const auto& runner : runners) {
@@ -39,6 +39,7 @@ HttpPage metricsPage(const ServerCore& core) {
                          .bytes = {},
                          .simulations = account->simulations(),
                          .streams = account->streams(),
+                         .traceBytes = account->traceRoom().used(),
                          .cpuSeconds = account->cpuSeconds()};
     for (std::size_t kind = 0; kind < kMemoryKindCount; ++kind) {
       std::string name(kMemoryKindNames[kind]);

@@ -196,27 +196,22 @@ class Network::Implementation {
 
   /// Whether SIGHUP means that files have changed, and not that a terminal was closed.
   [[nodiscard]] bool readsAgain() const {
-    return isEncrypted_ || core_->options().readTokens || core_->options().readLimits;
+    return isEncrypted_ || core_->options().readAgain;
   }
 
-  /// Connections that come later have the new certificate. A mistake changes nothing.
-  void readCertificateAgain() {
-    core_->pool().post({.run =
-                            [this] {
-                              const auto fresh = std::make_shared<asio::ssl::context>(asio::ssl::context::tls_server);
-                              const ServerOptions& options = core_->options();
-                              if (const auto problem =
-                                      loadCertificate(*fresh, options.certificateFile, options.keyFile)) {
-                                core_->log().error("the certificate stays as it is: " + *problem);
-                                return;
-                              }
-                              // open connections keep the old one
-                              asio::post(context_, [this, fresh] {
-                                encryption_ = std::move(*fresh);
-                                core_->log().info("read the certificate again");
-                              });
-                            },
-                        .owner = "certificate"});
+  /// What it returns gives later connections the new certificate; open ones keep the old one. On a worker.
+  tl::expected<std::function<void()>, std::string> readCertificateAgain() {
+    const auto fresh = std::make_shared<asio::ssl::context>(asio::ssl::context::tls_server);
+    const ServerOptions& options = core_->options();
+    if (auto problem = loadCertificate(*fresh, options.certificateFile, options.keyFile)) {
+      return tl::unexpected(std::move(*problem));
+    }
+    return [this, fresh] {
+      asio::post(context_, [this, fresh] {
+        encryption_ = std::move(*fresh);
+        core_->log().info("read the certificate again");
+      });
+    };
   }
 
   void waitForSignal() {
@@ -228,15 +223,9 @@ class Network::Implementation {
                                                     : number == SIGINT ? "SIGINT"
                                                                        : "SIGTERM"));
       if (number == SIGHUP && readsAgain()) {
-        if (core_->options().readTokens) {
-          core_->readTokensAgain();
-        }
-        if (core_->options().readLimits) {
-          core_->readLimitsAgain([this] { asio::post(context_, [this] { setBounds(); }); });
-        }
-        if (isEncrypted_) {
-          readCertificateAgain();
-        }
+        const auto certificate = [this] { return readCertificateAgain(); };
+        core_->readAgain(isEncrypted_ ? ServerCore::ReadMore(certificate) : nullptr,
+                         [this] { asio::post(context_, [this] { setBounds(); }); });
       } else {
         onStop_();
       }

@@ -1,6 +1,7 @@
 #include "server/remote/control_group.h"
 
 #include <sched.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -80,6 +81,8 @@ std::optional<std::uint64_t> controlGroupMemoryBytes(const std::string& root) {
   };
   for (const fs::path& group : groupsOf(root, "")) {
     look(group / "memory.max");
+    // beyond it the system slows the process down and takes its pages
+    look(group / "memory.high");
   }
   for (const fs::path& group : groupsOf(fs::path(root) / "memory", "memory")) {
     look(group / "memory.limit_in_bytes");
@@ -87,10 +90,22 @@ std::optional<std::uint64_t> controlGroupMemoryBytes(const std::string& root) {
   return bound;
 }
 
+std::optional<std::uint64_t> processMemoryBytes() {
+  std::optional<std::uint64_t> bound;
+  for (const auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
+    ::rlimit limit{};
+    if (::getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+      lower(bound, std::uint64_t{limit.rlim_cur});
+    }
+  }
+  return bound;
+}
+
 std::uint64_t usableMemoryBytes() {
   const auto pages = static_cast<std::uint64_t>(std::max(::sysconf(_SC_PHYS_PAGES), 1L));
   const auto pageBytes = static_cast<std::uint64_t>(std::max(::sysconf(_SC_PAGESIZE), 1L));
-  const std::uint64_t bytes = std::min(pages * pageBytes, controlGroupMemoryBytes().value_or(UINT64_MAX));
+  const std::uint64_t bytes = std::min({pages * pageBytes, controlGroupMemoryBytes().value_or(UINT64_MAX),
+                                        processMemoryBytes().value_or(UINT64_MAX)});
   return bytes / 5 * 4;
 }
 

@@ -75,6 +75,8 @@ constexpr std::array kEntries{
     ofServer<&Server::accountMemoryBytes>("accountMemoryBytes", 0, "the same of one account; 0: no own bound"),
     ofServer<&Server::accountSimulations>("accountSimulations", 0, "simulations of one account; 0: no own bound"),
     ofServer<&Server::accountStreams>("accountStreams", 0, "streams of one account; 0: no own bound"),
+    ofServer<&Server::accountTraceBytes>("accountTraceBytes", 0,
+                                         "bytes of the traces of one account; 0: no own bound"),
     ofServer<&Server::accountCpuSeconds>("accountCpuSeconds", 0,
                                          "processor time of one account since the server was started; 0: no bound"),
     ofServer<&Server::storeBytes>("storeBytes", 0, "bytes of the data folder's database; 0: no bound"),

@@ -38,6 +38,7 @@ struct ServerLimits {
   std::uint64_t accountMemoryBytes = 0;  // of one account; 0: as the server
   std::uint64_t accountSimulations = 0;  // the same
   std::uint64_t accountStreams = 0;      // the same
+  std::uint64_t accountTraceBytes = 0;   // the same
   std::uint64_t accountCpuSeconds = 0;   // since the server was started; 0: no bound
   std::uint32_t callSeconds = 600;       // of computing without a completed step; 0: no bound
   /// The limits of each simulation. A server has many of them, so a string may take 4 GB, not 16 GB as on the command

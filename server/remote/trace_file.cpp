@@ -6,6 +6,8 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include "server/remote/control_group.h"
 #include "server/remote/zstd_context.h"
@@ -47,10 +49,13 @@ void TraceFile::put(std::string_view bytes) {
   if (file_ == nullptr || !problem_.empty()) {
     return;
   }
-  if (room_ != nullptr && !room_->take(bytes.size())) {
-    isOutOfRoom_ = true;
-    problem_ = "there is no room for more";
-    return;
+  if (room_ != nullptr) {
+    outOfRoom_ = room_->take(bytes.size());
+    if (outOfRoom_ != nullptr) {
+      problem_ = "there is no room for more";
+      return;
+    }
+    takenBytes_ += bytes.size();
   }
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) {
     problem_ = std::strerror(errno);
@@ -105,6 +110,12 @@ std::optional<std::string> TraceFile::close() {
       problem_ = std::strerror(errno);
     }
     file_ = nullptr;
+    // a full disk has less than was taken
+    std::error_code error;
+    const std::uint64_t bytes = room_ == nullptr ? 0 : std::filesystem::file_size(name_, error);
+    if (room_ != nullptr && !error) {
+      room_->add(static_cast<std::int64_t>(bytes) - static_cast<std::int64_t>(takenBytes_));
+    }
   }
   return problem_.empty() ? std::nullopt : std::optional(problem());
 }

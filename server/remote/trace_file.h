@@ -32,11 +32,12 @@ class TraceFile final : public core::ByteSink {
   void flush();
   /// A sentence when anything could not be written; else empty.
   [[nodiscard]] std::string problem() const;
-  /// The problem is the room.
-  [[nodiscard]] bool isOutOfRoom() const { return isOutOfRoom_; }
+  /// The room that did not have enough; null: that is not the problem.
+  [[nodiscard]] const DiskRoom* outOfRoom() const { return outOfRoom_; }
   /// Memory of the compression.
   [[nodiscard]] std::uint64_t memoryBytes() const;
-  /// Ends the file. An error sentence when anything could not be written.
+  /// Ends the file. Then the room has counted as many bytes as the file has: a file is removed after that. An error
+  /// sentence when anything could not be written.
   [[nodiscard]] std::optional<std::string> close();
 
  private:
@@ -48,7 +49,8 @@ class TraceFile final : public core::ByteSink {
   std::string name_;
   std::FILE* file_;  // null: closed
   DiskRoom* room_;   // null: none
-  bool isOutOfRoom_ = false;
+  std::uint64_t takenBytes_ = 0;         // of the room
+  const DiskRoom* outOfRoom_ = nullptr;  // null: there was enough
   std::unique_ptr<Compressor> compressor_;  // null: none
   std::string problem_;
 };

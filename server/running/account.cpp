@@ -10,7 +10,7 @@
 namespace espalier::server {
 namespace {
 
-/// A bound of an owner; 0: only the server's holds.
+/// 0 in a limit is no bound.
 std::uint64_t orNone(std::uint64_t bound) {
   return bound == 0 ? UINT64_MAX : bound;
 }
@@ -19,20 +19,32 @@ Account::Bounds boundsOfOwner(const ServerLimits& limits) {
   return {.memoryBytes = orNone(limits.accountMemoryBytes),
           .simulations = orNone(limits.accountSimulations),
           .streams = orNone(limits.accountStreams),
-          .cpuSeconds = orNone(limits.accountCpuSeconds)};
+          .cpuSeconds = orNone(limits.accountCpuSeconds),
+          .traceBytes = orNone(limits.accountTraceBytes)};
 }
 
 Account::Bounds boundsOfServer(const ServerLimits& limits) {
-  return {.memoryBytes = limits.memoryBytes == 0 ? usableMemoryBytes() : limits.memoryBytes};
+  return {.memoryBytes = limits.memoryBytes == 0 ? usableMemoryBytes() : limits.memoryBytes,
+          .traceBytes = orNone(limits.traceBytes)};
 }
 
 }  // namespace
+
+Account::Account(std::string owner, const Bounds& bounds, Account* parent)
+    : owner_(std::move(owner)),
+      parent_(parent),
+      traceRoom_(parent_ == nullptr ? "all traces together" : "all traces of the account '" + owner_ + "'",
+                 parent_ == nullptr ? "traceBytes" : "accountTraceBytes",
+                 parent_ == nullptr ? nullptr : &parent_->traceRoom_) {
+  setBounds(bounds);
+}
 
 void Account::setBounds(const Bounds& bounds) {
   boundBytes_ = bounds.memoryBytes;
   boundSimulations_ = bounds.simulations;
   boundStreams_ = bounds.streams;
   boundCpuSeconds_ = bounds.cpuSeconds;
+  traceRoom_.setBound(bounds.traceBytes);
 }
 
 bool Account::take(MemoryKind kind, std::uint64_t bytes) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "protocol/errors.h"
+#include "server/remote/disk_room.h"
 
 namespace espalier::server {
 
@@ -34,16 +35,17 @@ class Account {
     std::uint64_t simulations = UINT64_MAX;
     std::uint64_t streams = UINT64_MAX;
     std::uint64_t cpuSeconds = UINT64_MAX;
+    std::uint64_t traceBytes = UINT64_MAX;
   };
 
-  Account(std::string owner, const Bounds& bounds, Account* parent) : owner_(std::move(owner)), parent_(parent) {
-    setBounds(bounds);
-  }
+  Account(std::string owner, const Bounds& bounds, Account* parent);
   Account(const Account&) = delete;
   Account& operator=(const Account&) = delete;
 
   [[nodiscard]] const std::string& owner() const { return owner_; }
-  [[nodiscard]] Bounds bounds() const { return {boundBytes_, boundSimulations_, boundStreams_, boundCpuSeconds_}; }
+  [[nodiscard]] Bounds bounds() const {
+    return {boundBytes_, boundSimulations_, boundStreams_, boundCpuSeconds_, traceRoom_.bound()};
+  }
   /// Others from now on. What the owner has beyond them stays.
   void setBounds(const Bounds& bounds);
 
@@ -65,6 +67,9 @@ class Account {
   [[nodiscard]] std::uint64_t simulations() const { return simulations_; }
   [[nodiscard]] std::uint64_t streams() const { return streams_; }
   [[nodiscard]] double cpuSeconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }
+  /// Of its traces in the data folder.
+  [[nodiscard]] DiskRoom& traceRoom() { return traceRoom_; }
+  [[nodiscard]] const DiskRoom& traceRoom() const { return traceRoom_; }
   /// Why the owner may not compute any more, or nothing.
   [[nodiscard]] std::optional<protocol::Error> cpuProblem() const;
 
@@ -73,6 +78,7 @@ class Account {
 
   const std::string owner_;
   Account* const parent_;  // null: this is the server's
+  DiskRoom traceRoom_;
   // Bounds
   std::atomic<std::uint64_t> boundBytes_{UINT64_MAX};
   std::atomic<std::uint64_t> boundSimulations_{UINT64_MAX};

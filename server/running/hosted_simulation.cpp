@@ -56,8 +56,9 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
       return protocol::memberError("params.trace", "this server keeps nothing; start it with --data to have traces");
     }
     // one from the data folder goes on without, and says so
-    if (const DiskRoom* const room = services_.traces.room; !isAbsenceTolerated && room != nullptr && room->isFull()) {
-      return protocol::limitError("traceBytes", room->used(), room->bound(),
+    const DiskRoom* const room = services_.traces.room;
+    if (const DiskRoom* const full = room == nullptr || isAbsenceTolerated ? nullptr : room->full()) {
+      return protocol::limitError(std::string(full->limit()), full->used(), full->bound(),
                                   "Delete simulations with traces, or make this one without.");
     }
     auto trace = SimulationTrace::create(services_.traces, record_.id);
@@ -135,7 +136,7 @@ protocol::Expected<std::unique_ptr<HostedSimulation>> HostedSimulation::create(
   }
   hosted->setCancelled(false);
   hosted->beginTrace();
-  if (auto error = hosted->save(true)) {
+  if (auto error = hosted->saveNew()) {
     return tl::unexpected(std::move(*error));
   }
   return hosted;
@@ -153,7 +154,8 @@ protocol::Expected<std::unique_ptr<HostedSimulation>> HostedSimulation::fork(Sim
   if (auto error = hosted->simulation_->restore(original.snapshot())) {
     return tl::unexpected(hosted->errorOf(*error));
   }
-  if (auto error = hosted->save(true)) {
+  hosted->beginTrace();
+  if (auto error = hosted->saveNew()) {
     return tl::unexpected(std::move(*error));
   }
   return hosted;
@@ -296,6 +298,20 @@ void HostedSimulation::beginTrace() {
   if (trace_ != nullptr) {
     trace_->begin(*simulation_);
   }
+}
+
+void HostedSimulation::closeTrace() {
+  if (trace_ != nullptr) {
+    trace_->close();
+  }
+}
+
+std::optional<protocol::Error> HostedSimulation::saveNew() {
+  auto error = save(true);
+  if (error && trace_ != nullptr) {
+    trace_->discard();
+  }
+  return error;
 }
 
 std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64_t> seed) {

@@ -106,6 +106,8 @@ class HostedSimulation {
     return SimulationTrace::read(services_.traces.path, record_.id, number, bound);
   }
 
+  /// Ends the trace that is being written, before its file is removed.
+  void closeTrace();
   /// Tells the environments in other processes that the simulation is no more. A silent one is waited for a second.
   void closeEnvironments();
 
@@ -119,6 +121,8 @@ class HostedSimulation {
   [[nodiscard]] std::optional<protocol::Error> build(simulation::Programs programs, files::Palette palette,
                                                      bool isAbsenceTolerated);
   void beginTrace();
+  /// Saves a new simulation and its record. On failure its trace leaves no file.
+  [[nodiscard]] std::optional<protocol::Error> saveNew();
   [[nodiscard]] bool isKept() const { return store_->isKept() && record_.create.save.isKept; }
   /// Writes state and, when `withRecord`, record. The rest of a sentence says what failed.
   [[nodiscard]] std::optional<std::string> write(bool withRecord);

@@ -70,19 +70,28 @@ tl::expected<std::unique_ptr<SimulationTrace>, std::string> SimulationTrace::cre
 
 SimulationTrace::~SimulationTrace() {
   if (!hasBegun_) {
+    close();
     removeFile(path_, room_);
   }
 }
 
 std::string SimulationTrace::problem() const {
-  if (file_->isOutOfRoom()) {
-    return "The trace ended, because all traces together have " + std::to_string(room_->used()) + " of " +
-           std::to_string(room_->bound()) +
-           " bytes (limit traceBytes): delete simulations with traces, then begin another one with simulation.trace.";
+  if (const DiskRoom* const room = file_->outOfRoom()) {
+    return "The trace ended, because " + room->what() + " have " + std::to_string(room->used()) + " of " +
+           std::to_string(room->bound()) + " bytes (limit " + std::string(room->limit()) +
+           "): delete simulations with traces, then begin another one with simulation.trace.";
   }
   return file_->problem().empty() ? std::string()
                                   : "The trace ended, because the data folder does not take more of it: make room on "
                                     "the disk, then begin another one with simulation.trace.";
+}
+
+std::uint64_t SimulationTrace::bytesOf(const std::string& folder, const std::string& id) {
+  std::uint64_t sum = 0;
+  for (const StoredTrace& trace : list(folder, id)) {
+    sum += trace.bytes;
+  }
+  return sum;
 }
 
 void SimulationTrace::removeAll(const TraceFolder& folder, const std::string& id) {

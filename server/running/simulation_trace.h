@@ -21,7 +21,7 @@ struct StoredTrace {
 /// Where the traces of a server are.
 struct TraceFolder {
   std::string path;          // empty: there are none
-  DiskRoom* room = nullptr;  // that all of them share
+  DiskRoom* room = nullptr;  // of the owner of the simulation; null: none
 };
 
 /// The trace of a simulation of the server: a compressed file in the data folder, readable up to the last completed
@@ -38,7 +38,9 @@ class SimulationTrace {
   [[nodiscard]] static std::optional<std::string> read(const std::string& folder, const std::string& id,
                                                        std::uint64_t number, std::uint64_t bound);
 
-  /// Removes all traces of a simulation.
+  /// Bytes of all traces of a simulation.
+  [[nodiscard]] static std::uint64_t bytesOf(const std::string& folder, const std::string& id);
+  /// Removes all traces of a simulation. One that is being written is closed before.
   static void removeAll(const TraceFolder& folder, const std::string& id);
   /// Of all traces in a folder.
   [[nodiscard]] static std::uint64_t bytesIn(const std::string& folder);
@@ -66,6 +68,10 @@ class SimulationTrace {
   /// Adds a note: an environment failed and this was done about it.
   void note(std::uint64_t step, const std::string& message) { recorder_->fail(step, message); }
   [[nodiscard]] std::uint64_t memoryBytes() const { return file_->memoryBytes(); }
+  /// Nothing is recorded any more.
+  void close() { (void)file_->close(); }
+  /// Nobody can ask for it: it leaves no file.
+  void discard() { hasBegun_ = false; }
   /// Why the trace has ended: the disk does not take it. A sentence that names no folder; empty: it goes on.
   [[nodiscard]] std::string problem() const;
 

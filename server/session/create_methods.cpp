@@ -103,8 +103,8 @@ protocol::Expected<std::string> forkSimulation(ServerCore& core, HostedSimulatio
   }
   protocol::Expected<std::unique_ptr<HostedSimulation>> made;
   try {
-    made = HostedSimulation::fork(std::move(record), original, core.limits().simulation, core.environmentServices(),
-                                  core.store());
+    made = HostedSimulation::fork(std::move(record), original, core.limits().simulation,
+                                  core.environmentServices(core.accounts().of(owner)), core.store());
   } catch (...) {
     core.remove(name);
     throw;
@@ -226,7 +226,7 @@ void createSimulation(const Request& request, protocol::CreateParams params, Int
   protocol::Expected<std::unique_ptr<HostedSimulation>> made;
   try {
     made = HostedSimulation::create(std::move(record), models.programs, models.palette, core.limits().simulation,
-                                    core.environmentServices(), core.store(), interruption);
+                                    core.environmentServices(session.account()), core.store(), interruption);
   } catch (...) {
     core.remove(name);
     throw;
@@ -271,7 +271,7 @@ protocol::Expected<std::string> replaceSimulation(ServerCore& core, SimulationRu
   Interruption ofTurn;  // the runner gives the turn up
   auto made = HostedSimulation::create(
       recordOf(std::move(params), *compiled, runner.id(), runner.hosted().record().owner), compiled->programs,
-      compiled->palette, core.limits().simulation, core.environmentServices(), core.store(), ofTurn);
+      compiled->palette, core.limits().simulation, core.environmentServices(runner.account()), core.store(), ofTurn);
   if (!made) {
     return tl::unexpected(std::move(made.error()));
   }

@@ -58,13 +58,14 @@ void serverStatus(const Request& request, protocol::NoParams) {
   writeMemory(result, all);
   result.key("streamBytes").integer(streamBytes);
   result.key("outboxBytes").integer(core.outboxBytes()).key("storeBytes").integer(core.store().bytes());
-  result.key("traceBytes").integer(core.traceRoom().used()).endObject();
+  result.key("traceBytes").integer(all.traceRoom().used()).endObject();
   // only its own: what others do is not the peer's business
   const Account& own = request.session.account();
   result.key("account").beginObject().key("name").text(own.owner());
   result.key("simulations").integer(own.simulations()).key("streams").integer(own.streams());
   result.key("cpuSeconds").number(own.cpuSeconds());
   writeMemory(result, own);
+  result.key("traceBytes").integer(own.traceRoom().used());
   result.endObject();
   request.session.respond(request.id, result.endObject().view());
 }

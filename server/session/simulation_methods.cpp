@@ -121,8 +121,9 @@ void simulationDelete(const Request& request, protocol::SimulationParams params)
       self.endStreams("the simulation was deleted");
       if (!self.isOnDiskOnly()) {
         self.hosted().closeEnvironments();
+        self.hosted().closeTrace();
       }
-      SimulationTrace::removeAll(core.environmentServices().traces, self.id());
+      SimulationTrace::removeAll(core.tracesOf(self.account()), self.id());
       core.remove(self.id());
     }
     self.publishEndOf(last);

@@ -4,8 +4,10 @@ Every kind of environment times every kind of misbehaviour, from the command lin
 standard input and output, a program that is dialled, a built-in process. The run fails in step 3, leaves a snapshot of
 step 2, and goes on from it to the string of an undisturbed run once the environment is mended."""
 
+import socket
 import tempfile
 import unittest
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Dict
 
@@ -121,6 +123,18 @@ class Failures(unittest.TestCase):
                 served = Process(python(self.script(does), "--listen", "127.0.0.1:0"))
                 self.addCleanup(served.stop)
                 self.goes_wrong_and_on(f"tcp://{served.address}", words, served.address)
+
+    def test_silent_connections_keep_no_server_out(self) -> None:
+        # more than the process may have descriptors
+        served = Process(["bash", "-c", 'ulimit -n 50; exec "$0" environment height --listen 127.0.0.1:0', program()])
+        self.addCleanup(served.stop)
+        host, port = served.address.rsplit(":", 1)
+        with ExitStack() as stack:
+            for _ in range(100):
+                stack.enter_context(socket.create_connection((host, int(port)), 60))
+            model = str(self.folder / "model.l")
+            self.assertEqual(espalier("derive", model, "--environment", f"tcp://{served.address}").stdout,
+                             espalier("derive", model, "--environment", "height").stdout)
 
     def test_a_built_in_process_that_takes_too_long(self) -> None:
         # 32768 rays from each of 300 leaves past each other take longer than a tenth of a second

@@ -5,18 +5,21 @@ import json
 import os
 import re
 import signal
+import socket
+import ssl
 import stat
+import subprocess
 import tempfile
 import unittest
 import urllib.error
 import urllib.request
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
 from support import REPOSITORY, SECONDS, Process, Server, espalier, program
 from test_transports_strangers import Raw
 
-from espalier import Client, ServerError
+from espalier import Client, ServerError, wire
 
 SOURCE = "Lsystem: 1\nderivation length: 9\nAxiom: A?E(0)\nA --> FA\nendlsystem\n"
 GRANTS = {"controller": {"controller", "viewer", "environment"}, "viewer": {"viewer"}, "environment": {"environment"}}
@@ -247,15 +250,72 @@ class Roles(unittest.TestCase):
         for text in ("garbage [[[\n", "[limts]\nsimulations = 4\n", "[limits\nsimulations = 4\n", "simulations = 4\n", "", "\0\0",
                      "[limits]\nsimulations = [1, 2]\n", "[limits]\nsimulations = 4\nsimulations = 5\n"):
             file.write_text(text, encoding="utf-8")
-            hang_up("the limits stay as they are: the configuration '")
+            hang_up("tokens, limits and certificate stay as they are: the configuration '")
         self.assertEqual(client.call("server.status")["memory"]["boundBytes"], 123_456_789)
         # a mistake changes nothing, and other settings are named
         write({"simulations": 1, "modul": 5})
-        hang_up("the limits stay as they are: the configuration '")
+        hang_up("tokens, limits and certificate stay as they are: the configuration '")
         client.create(SOURCE, environment=[{"type": "height"}])
         write({"simulations": 3, "modules": 5, "openFiles": 4, "accountStreams": 1, "memoryBytes": 123_456_789}, workers=2)
         hang_up("none has changed")
         self.assertIn("read only when the server starts: workers", log.read_text(encoding="utf-8"))
+
+    def test_a_hang_up_signal_changes_all_or_nothing(self) -> None:
+        self.new_token("alice", "controller")
+        self.new_token("mallory", "controller")
+        kept, dropped = self.lines
+        file, log, certificate, key = (self.folder / name for name in ("serve.toml", "log", "now.pem", "now.key"))
+
+        def write(simulations: str, *tokens: str) -> None:
+            file.write_text("\n".join(["[limits]", f"simulations = {simulations}", "[tokens]", *tokens, ""]), encoding="utf-8")
+
+        def renew(name: str) -> None:
+            subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2",
+                            "-keyout", str(key), "-out", str(certificate), "-subj", f"/CN={name}"], check=True, capture_output=True)
+
+        def hang_up(said: str) -> None:
+            begin = log.stat().st_size
+            server._process.send_signal(signal.SIGHUP)
+            while said not in log.read_text(encoding="utf-8")[begin:]:
+                self.assertIsNone(server._process.poll())
+
+        renew("first")
+        write("5", kept, dropped)
+        with log.open("wb") as errors:
+            server = package_server(str(file), errors, "--certificate", str(certificate), "--key", str(key))
+            self.addCleanup(server.stop)
+        trusting = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        trusting.check_hostname, trusting.verify_mode = False, ssl.CERT_NONE
+
+        def now() -> Tuple[int, bool, bool]:
+            """The limit of simulations, whether mallory gets in, and whether the certificate is the first one."""
+            found = []
+            for name in ("alice", "mallory"):
+                with socket.create_connection(wire.parse_address(server.address), SECONDS) as plain, trusting.wrap_socket(plain) as peer:
+                    peer.sendall(json.dumps(wire.request(1, "hello", hello(self.tokens[name]))).encode() + b"\n")
+                    found.append(json.loads(peer.makefile().readline()))
+                    shown = b"first" in (peer.getpeercert(True) or b"")
+            return found[0]["result"]["limits"]["simulations"], "result" in found[1], shown
+
+        before = (5, True, True)
+        self.assertEqual(now(), before)
+        first = certificate.read_text(encoding="ascii")
+        renew("second")
+        second = certificate.read_text(encoding="ascii")
+        for limit, tokens, shown, reason in (
+                ("7", [kept, 'mallory = "king"'], second, f"the configuration '{file}': "),  # only the tokens are wrong
+                ("7", [], second, "without any token the server would be open. Stop it instead."),
+                ("many", [kept], second, f"the configuration '{file}': "),  # only the limits
+                ("7", [kept], first, "")):  # only the certificate, which has another key
+            with self.subTest(limit=limit, tokens=len(tokens)):
+                write(limit, *tokens)
+                certificate.write_text(shown, encoding="ascii")
+                hang_up("tokens, limits and certificate stay as they are: " + reason)
+                self.assertEqual(now(), before)
+        write("7", kept)
+        certificate.write_text(second, encoding="ascii")
+        hang_up("read the certificate again")
+        self.assertEqual(now(), (7, False, False))
 
     def test_downloads_need_a_viewer(self) -> None:
         self.new_token("alice", "controller")

@@ -74,7 +74,7 @@ TEST(ErrorNumbers, ABugInACommandIsInternalAndClosesThatSimulationOnly) {
     Interruption interruption;
     auto made =
         HostedSimulation::create(record, {language::compile(input, files).program}, {}, core.limits().simulation,
-                                 core.environmentServices(), core.store(), interruption);
+                                 core.environmentServices(core.accounts().of("")), core.store(), interruption);
     core.add(record.id, std::move(made.value()));
     return core.find(record.id);
   };

@@ -3,6 +3,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <iterator>
 
 #include "tests/server/server_fixture.h"
 
@@ -127,6 +128,42 @@ TEST_F(FullDiskTest, ATraceEndsAndTheSimulationSaysSo) {
             "true");
   resultOf(client_->request("simulation.step", named(simulation)));
   EXPECT_EQ(listed().find("The trace ended"), std::string::npos);
+}
+
+TEST_F(FullDiskTest, ASimulationThatCannotBeSavedLeavesNoTrace) {
+  const auto bytes = [&] {
+    return member(member(resultOf(client_->request("server.status", "{}")), "memory"), "traceBytes");
+  };
+  const std::string original = create(*client_, kModel, {}, R"("save":false,"trace":true)");
+  const std::string before = bytes();
+  {
+    const FullDisk full;
+    for (const auto& [method, params] :
+         {std::pair("simulation.create", createParams(kModel, {}, R"("trace":true)")),
+          {"simulation.create",
+           createParams(kModel, {}, R"("trace":true,"simulation":")" + original + "\"")}}) {
+      EXPECT_EQ(static_cast<int>(errorOf(client_->request(method, params)).code), 1014) << params;
+    }
+  }
+  EXPECT_EQ(bytes(), before);
+  const std::filesystem::directory_iterator files(folder_.path() + "/traces");
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1);
+}
+
+TEST_F(FullDiskTest, ATraceCountsWithTheBytesThatTheDiskTook) {
+  const std::string simulation = create(*client_, kModel, {}, R"("save":false,"trace":true)");
+  {
+    const FullDisk full;
+    resultOf(client_->request("simulation.step", named(simulation, R"("steps":9)")));
+  }
+  // another one takes its place
+  resultOf(client_->request("simulation.trace", named(simulation, R"("trace":true)")));
+  std::uintmax_t size = 0;
+  for (const char* const number : {"1", "2"}) {
+    size += std::filesystem::file_size(folder_.path() + "/traces/" + simulation + "-" + number + ".trace.zst");
+  }
+  EXPECT_EQ(member(member(resultOf(client_->request("server.status", "{}")), "memory"), "traceBytes"),
+            std::to_string(size));
 }
 
 TEST_F(FullDiskTest, ADeletedSimulationLeavesNoTraces) {

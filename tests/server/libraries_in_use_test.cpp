@@ -1,12 +1,16 @@
 // What libraries in C take, and what lies on the disk: counted and bounded.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <new>
 #include <string>
+#include <system_error>
 #include <thread>
+#include <vector>
 
 #include "server/running/turn_meter.h"
 #include "server/store/compression.h"
+#include "tests/server/raw_peer.h"
 #include "tests/server/server_fixture.h"
 
 namespace espalier::server::libraries_in_use_test {
@@ -74,18 +78,29 @@ TEST(LibrariesInUse, CompressionAndTheDatabaseCount) {
   EXPECT_GE(memoryOf(*client, "usedBytes"), 100'000U);
 }
 
+/// Answers that do not compress, for long.
+constexpr std::string_view kNoise =
+    "Lsystem: 1\nderivation length: 100000\nAxiom: A\nA --> F(ran(9))+(ran(360))?E(ran(1))A\nendlsystem\n";
+
+std::string tracedParams() {
+  return createParams(kNoise, R"([{"type":"height"}])", R"("trace":true,"seed":1)");
+}
+
+std::vector<std::string> filesIn(const std::string& folder) {
+  std::vector<std::string> names;
+  std::error_code missing;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, missing)) {
+    names.push_back(entry.path().filename().string());
+  }
+  return names;
+}
+
 TEST(LibrariesInUse, TracesOnDiskAreBounded) {
   const TemporaryFolder folder;
   ServerOptions options;
   options.dataFolder = folder.path();
   options.limits.traceBytes = 20'000;
-  // answers that do not compress
-  constexpr std::string_view kNoise =
-      "Lsystem: 1\nderivation length: 100000\nAxiom: A\nA --> F(ran(9))+(ran(360))?E(ran(1))A\nendlsystem\n";
-  const auto traced = [&](client::Client& client) {
-    return client.request("simulation.create",
-                          createParams(kNoise, R"([{"type":"height"}])", R"("trace":true,"seed":1)"));
-  };
+  const auto traced = [](client::Client& client) { return client.request("simulation.create", tracedParams()); };
   std::string first;
   {
     const RunningServer server(options);
@@ -111,6 +126,102 @@ TEST(LibrariesInUse, TracesOnDiskAreBounded) {
   resultOf(client->request("simulation.delete", named(first)));
   EXPECT_LT(memoryOf(*client, "traceBytes"), 1'000U);
   resultOf(traced(*client));
+}
+
+TEST(LibrariesInUse, ADeletedTraceGivesAllOfItsRoomBack) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  for (int i = 0; i < 5; ++i) {
+    // it is still being written
+    const std::string simulation = member(resultOf(client->request("simulation.create", tracedParams())), "simulation");
+    resultOf(client->request("simulation.step", named(simulation, R"("steps":3)")));
+    EXPECT_GT(memoryOf(*client, "traceBytes"), 100U);
+    resultOf(client->request("simulation.delete", named(simulation)));
+    EXPECT_EQ(memoryOf(*client, "traceBytes"), 0U);
+  }
+  // one that has ended, and one beside it that goes on
+  const std::string simulation = member(resultOf(client->request("simulation.create", tracedParams())), "simulation");
+  resultOf(client->request("simulation.step", named(simulation)));
+  for (const char* const isTraced : {"false", "true"}) {
+    resultOf(client->request("simulation.trace", named(simulation, std::string("\"trace\":") + isTraced)));
+  }
+  EXPECT_EQ(filesIn(folder.path() + "/traces").size(), 2U);
+  resultOf(client->request("simulation.delete", named(simulation)));
+  EXPECT_EQ(memoryOf(*client, "traceBytes"), 0U);
+  // nor does one take room that never began, because its simulation could not be made
+  errorOf(client->request("simulation.create", createParams(kNoise, R"([{"type":"hight"}])", R"("trace":true)")));
+  EXPECT_EQ(memoryOf(*client, "traceBytes"), 0U);
+  EXPECT_EQ(filesIn(folder.path() + "/traces"), std::vector<std::string>());
+}
+
+TEST(LibrariesInUse, TracesOfEachTokenAreBounded) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  options.httpHost = "127.0.0.1";
+  options.limits.accountTraceBytes = 20'000;
+  for (const char* name : {"ann", "ben"}) {
+    options.tokens.push_back(tokenOf(name, name, {protocol::Role::Controller}));
+  }
+  const auto as = [](const RunningServer& server, const char* token) {
+    client::ClientOptions own;
+    own.token = token;
+    return connectTo(server, own);
+  };
+  const auto ownBytes = [](client::Client& client) {
+    return std::stoull(member(member(resultOf(client.request("server.status", "{}")), "account"), "traceBytes"));
+  };
+  std::string first;
+  std::uint64_t bytesOfAnn = 0;
+  std::uint64_t bytesOfBen = 0;
+  {
+    const RunningServer server(options);
+    const auto ann = as(server, "ann");
+    const auto ben = as(server, "ben");
+    first = member(resultOf(ann->request("simulation.create", tracedParams())), "simulation");
+    const std::string other = member(resultOf(ben->request("simulation.create", tracedParams())), "simulation");
+    const auto listed = [&] { return resultOf(ann->request("simulation.list", "{}")); };
+    for (int i = 0; i < 300 && listed().find("The trace ended") == std::string::npos; ++i) {
+      resultOf(ann->request("simulation.step", named(first, R"("steps":5)")));
+      EXPECT_LE(ownBytes(*ann), 20'000U);
+    }
+    EXPECT_NE(listed().find("The trace ended, because all traces of the account 'ann' have "), std::string::npos);
+    EXPECT_NE(listed().find(" of 20000 bytes (limit accountTraceBytes): "), std::string::npos) << listed();
+    // what one may not have is there for the other
+    const std::uint64_t before = ownBytes(*ben);
+    EXPECT_EQ(member(resultOf(ben->request("simulation.step", named(other, R"("steps":5)"))), "step"), "5");
+    EXPECT_GT(ownBytes(*ben), before);
+    // a fork counts for its maker
+    const std::string fork = member(resultOf(ben->request("simulation.fork", named(first))), "simulation");
+    bytesOfBen = ownBytes(*ben);
+    resultOf(ben->request("simulation.step", named(fork)));
+    EXPECT_GT(ownBytes(*ben), bytesOfBen);
+  }
+  options.limits.accountTraceBytes = 15'000;
+  const RunningServer server(options);
+  const auto ann = as(server, "ann");
+  const auto ben = as(server, "ben");
+  bytesOfAnn = ownBytes(*ann);
+  bytesOfBen = ownBytes(*ben);
+  EXPECT_GT(bytesOfAnn, 15'000U);
+  EXPECT_GT(bytesOfBen, 100U);
+  EXPECT_EQ(memoryOf(*ann, "traceBytes"), bytesOfAnn + bytesOfBen);
+  const protocol::Error error = errorOf(ann->request("simulation.create", tracedParams()));
+  EXPECT_EQ(member(error.data, "limit"), "accountTraceBytes") << error.message;
+  resultOf(ben->request("simulation.create", tracedParams()));
+  RawPeer browser(server.httpAddress());
+  browser.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  std::string told;
+  for (std::string line = browser.line(); line != "(closed)" && line != "(timeout)"; line = browser.line()) {
+    told += line.starts_with("espalier_account_trace_bytes{account=\"ann\"} ") ? line : "";
+  }
+  EXPECT_EQ(told, "espalier_account_trace_bytes{account=\"ann\"} " + std::to_string(bytesOfAnn));
+  // whoever deletes it
+  resultOf(ben->request("simulation.delete", named(first)));
+  EXPECT_EQ(ownBytes(*ann), 0U);
 }
 
 }  // namespace

@@ -87,22 +87,6 @@ std::optional<std::string> whyUnreadable(const std::string& file) {
              : std::optional("'" + file + "' is not there, or is no regular file");
 }
 
-/// The tokens of the files as they are now.
-tl::expected<std::vector<server::Token>, std::string> readTokens(const ServeOptions& options) {
-  std::vector<server::Token> tokens;
-  for (const std::string& file : {options.configuration, options.tokenFile}) {
-    if (auto problem = file.empty() ? std::nullopt : whyUnreadable(file)) {
-      return tl::unexpected(std::move(*problem));
-    }
-  }
-  auto problem = options.configuration.empty() ? std::nullopt : readConfiguredTokens(options.configuration, tokens);
-  problem = problem ? problem : addOwnToken(options, tokens);
-  if (problem) {
-    return tl::unexpected(std::move(*problem));
-  }
-  return tokens;
-}
-
 /// Sets the limits of --limit, which win over those of a configuration. An error sentence, or nothing.
 std::optional<std::string> applyLimits(const ServeOptions& options, server::ServerLimits& limits) {
   for (const std::string& limit : options.limits) {
@@ -119,29 +103,49 @@ struct AtStart {
   bool hasLimits = false;
 };
 
-/// The limits of the configuration as it is now, with those of the command line.
-tl::expected<server::ServerOptions::ReadLimits, std::string> readLimits(const CLI::App& command,
-                                                                        const ServeOptions& options,
-                                                                        const AtStart& atStart) {
-  server::ServerOptions::ReadLimits read;
-  auto problem = whyUnreadable(options.configuration);
-  problem = problem ? problem : readConfiguredLimits(command, options.configuration, atStart.hasLimits, read.limits);
-  problem = problem ? problem : applyLimits(options, read.limits);
-  if (problem) {
-    return tl::unexpected(std::move(*problem));
-  }
-  auto items = readStartItems(options.configuration);
+/// The names of the items that the configuration has now and did not have at the start, or that it has no more.
+std::vector<std::string> changedKeys(const AtStart& atStart, std::map<std::string, std::vector<std::string>> items) {
+  std::vector<std::string> changed;
   for (const auto& [key, values] : atStart.items) {
     const auto found = items.find(key);
     if (found == items.end() || found->second != values) {
-      read.restartKeys.push_back(key);
+      changed.push_back(key);
     }
     if (found != items.end()) {
       items.erase(found);
     }
   }
   for (const auto& [key, values] : items) {
-    read.restartKeys.push_back(key);
+    changed.push_back(key);
+  }
+  return changed;
+}
+
+/// The tokens and limits of the files as they are now, with those of the command line. An error sentence for the first
+/// mistake in any of them.
+tl::expected<server::ServerOptions::ReadAgain, std::string> readAgain(const CLI::App& command,
+                                                                      const ServeOptions& options,
+                                                                      const AtStart& atStart) {
+  for (const std::string& file : {options.configuration, options.tokenFile}) {
+    if (auto problem = file.empty() ? std::nullopt : whyUnreadable(file)) {
+      return tl::unexpected(std::move(*problem));
+    }
+  }
+  server::ServerOptions::ReadAgain read;
+  if (!options.configuration.empty()) {
+    auto configured = readConfigurationAgain(command, options.configuration, atStart.hasLimits);
+    if (!configured) {
+      return tl::unexpected(std::move(configured.error()));
+    }
+    if (auto problem = applyLimits(options, configured->limits)) {
+      return tl::unexpected(std::move(*problem));
+    }
+    read.tokens = std::move(configured->tokens);
+    read.limits = configured->limits;
+    read.restartKeys = changedKeys(atStart, std::move(configured->items));
+  }
+  if (auto problem = addOwnToken(options, read.tokens)) {
+    return tl::unexpected(std::move(*problem));
   }
   return read;
 }
@@ -208,11 +212,8 @@ int runServe(CLI::App& command, ServeOptions& options) {
     return kFailure;
   }
   if (!options.configuration.empty() || !options.tokenFile.empty()) {
-    options.server.readTokens = [&options] { return readTokens(options); };
-  }
-  if (!options.configuration.empty()) {
     const AtStart atStart{readStartItems(options.configuration), setsLimits(options.configuration)};
-    options.server.readLimits = [&command, &options, atStart] { return readLimits(command, options, atStart); };
+    options.server.readAgain = [&command, &options, atStart] { return readAgain(command, options, atStart); };
   }
   // a file that reaches the size limit fails one saving and does not end the server
   (void)std::signal(SIGXFSZ, SIG_IGN);

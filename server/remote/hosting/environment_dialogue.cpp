@@ -147,15 +147,29 @@ EnvironmentDialogue::Reply EnvironmentDialogue::describe(const protocol::NoParam
   return protocol::encode(toDescribeResult((*factory_)()->describe()));
 }
 
-EnvironmentDialogue::Opened& EnvironmentDialogue::openedFor(const std::string& simulation) {
-  Opened& opened = opened_[simulation];
-  if (opened.process == nullptr) {
-    opened.process = (*factory_)();
-    const turtle::EnvironmentDescription description = opened.process->describe();
-    opened.isStateful = description.isStateful;
-    opened.needs = description.needs;
+protocol::Expected<EnvironmentDialogue::Opened*> EnvironmentDialogue::openedFor(const std::string& simulation) {
+  const auto found = opened_.find(simulation);
+  if (found != opened_.end()) {
+    return &found->second;
   }
-  return opened;
+  turtle::EnvironmentContext context;
+  context.simulation = simulation;
+  return openAnew(context);
+}
+
+protocol::Expected<EnvironmentDialogue::Opened*> EnvironmentDialogue::openAnew(
+    const turtle::EnvironmentContext& context) {
+  opened_.erase(context.simulation);
+  Opened opened;
+  opened.process = (*factory_)();
+  const turtle::EnvironmentDescription description = opened.process->describe();
+  opened.isStateful = description.isStateful;
+  opened.needs = description.needs;
+  opened.symbols = context.symbols;
+  if (const auto error = opened.process->open(context)) {
+    return tl::unexpected(failed(*error));
+  }
+  return &opened_.insert_or_assign(context.simulation, std::move(opened)).first->second;
 }
 
 EnvironmentDialogue::Reply EnvironmentDialogue::open(const protocol::OpenParams& params, const protocol::Payload&) {
@@ -168,19 +182,19 @@ EnvironmentDialogue::Reply EnvironmentDialogue::open(const protocol::OpenParams&
   if (!context) {
     return tl::unexpected(protocol::memberError("params.world", context.error()));
   }
-  opened_.erase(params.simulation);
-  Opened& opened = openedFor(params.simulation);
-  opened.symbols = params.symbols;
-  if (const auto error = opened.process->open(*context)) {
-    opened_.erase(params.simulation);
-    return tl::unexpected(failed(*error));
+  if (auto opened = openAnew(*context); !opened) {
+    return tl::unexpected(std::move(opened.error()));
   }
   return protocol::Body("{}");
 }
 
 EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::EnvironmentStepParams& params,
                                                      const protocol::Payload& payload) {
-  Opened& opened = openedFor(params.simulation);
+  const auto found = openedFor(params.simulation);
+  if (!found) {
+    return tl::unexpected(found.error());
+  }
+  Opened& opened = **found;
 
   // a process with state must not advance twice for one step
   const std::optional<std::uint64_t> before = opened.lastStep;
@@ -230,16 +244,23 @@ EnvironmentDialogue::Reply EnvironmentDialogue::step(const protocol::Environment
 
 EnvironmentDialogue::Reply EnvironmentDialogue::save(const protocol::SimulationParams& params,
                                                      const protocol::Payload&) {
-  return protocol::encodeSaveResult(openedFor(params.simulation).process->save());
+  const auto found = openedFor(params.simulation);
+  if (!found) {
+    return tl::unexpected(found.error());
+  }
+  return protocol::encodeSaveResult((*found)->process->save());
 }
 
 EnvironmentDialogue::Reply EnvironmentDialogue::restore(const protocol::RestoreStateParams& params,
                                                         const protocol::Payload&) {
-  Opened& opened = openedFor(params.simulation);
-  if (const auto error = opened.process->restore(params.state)) {
+  const auto found = openedFor(params.simulation);
+  if (!found) {
+    return tl::unexpected(found.error());
+  }
+  if (const auto error = (*found)->process->restore(params.state)) {
     return tl::unexpected(failed(*error));
   }
-  opened.lastStep.reset();
+  (*found)->lastStep.reset();
   return protocol::Body("{}");
 }
 

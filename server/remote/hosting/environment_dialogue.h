@@ -54,7 +54,10 @@ class EnvironmentDialogue {
 #define ESPALIER_ENVIRONMENT_METHOD(NAME, PARAMS, HANDLER, SUMMARY) \
   [[nodiscard]] Reply HANDLER(const protocol::PARAMS& params, const protocol::Payload& payload);
 #include "protocol/methods.def"
-  [[nodiscard]] Opened& openedFor(const std::string& simulation);
+  /// The process of a simulation. A controller that did not open it gets one that is opened with nothing special.
+  [[nodiscard]] protocol::Expected<Opened*> openedFor(const std::string& simulation);
+  /// A new process, opened.
+  [[nodiscard]] protocol::Expected<Opened*> openAnew(const turtle::EnvironmentContext& context);
 
   const ProcessFactory* factory_;
   protocol::FrameLimits limits_;

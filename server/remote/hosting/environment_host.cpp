@@ -4,7 +4,10 @@
 
 #include <array>
 #include <boost/asio.hpp>
+#include <exception>
+#include <list>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 #include "protocol/framing.h"
@@ -21,11 +24,78 @@ constexpr protocol::FrameLimits kLimits;
 
 constexpr std::size_t kReadBytes = 262'144;
 
+// connections that have sent no message yet
+constexpr std::size_t kMostSilent = 128;
+
+using Socket = std::shared_ptr<tcp::socket>;
+
+/// Connections that have sent no message yet. The one that has waited longest gives way to others, so that they never
+/// lock out a server. Thread-safe.
+class SilentConnections {
+ public:
+  void enter(const Socket& socket) {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() >= kMostSilent) {
+      closeFirst();
+    }
+    waiting_.push_back(socket);
+  }
+  /// False: it was not there any more.
+  bool leave(const Socket& socket) {
+    const std::lock_guard lock(mutex_);
+    return waiting_.remove(socket) > 0;
+  }
+  /// Closes the connection that has waited longest. False: none waits.
+  bool closeOne() {
+    const std::lock_guard lock(mutex_);
+    const bool isThere = !waiting_.empty();
+    if (isThere) {
+      closeFirst();
+    }
+    return isThere;
+  }
+
+ private:
+  void closeFirst() {
+    // on its own strand
+    asio::post(waiting_.front()->get_executor(), [socket = waiting_.front()] {
+      boost::system::error_code ignored;
+      socket->close(ignored);
+    });
+    waiting_.pop_front();
+  }
+
+  std::mutex mutex_;
+  std::list<Socket> waiting_;  // the longest first
+};
+
+/// What all connections of a host share. It outlives them.
+struct Host {
+  const ProcessFactory& factory;
+  std::chrono::milliseconds firstMessage;
+  SilentConnections silent{};
+};
+
+/// Closes the connection when it is still silent after a time. The caller keeps the timer.
+void closeWhenSilent(asio::steady_timer& timer, Host& host, const Socket& socket) {
+  timer.expires_after(host.firstMessage);
+  timer.async_wait([&host, weak = std::weak_ptr(socket)](const boost::system::error_code& error) {
+    const Socket waiting = error ? nullptr : weak.lock();
+    if (waiting != nullptr && host.silent.leave(waiting)) {
+      boost::system::error_code ignored;
+      waiting->close(ignored);
+    }
+  });
+}
+
 /// One connection: lines are answered in their order, one at a time.
-asio::awaitable<void> serveConnection(tcp::socket socket, const ProcessFactory& factory) {
+asio::awaitable<void> serveConnection(Socket shared, Host& host) {
+  tcp::socket& socket = *shared;
   boost::system::error_code ignored;
   socket.set_option(tcp::no_delay(true), ignored);
-  EnvironmentDialogue dialogue(factory, kLimits);
+  asio::steady_timer timer(socket.get_executor());
+  closeWhenSilent(timer, host, shared);
+  EnvironmentDialogue dialogue(host.factory, kLimits);
   protocol::MessageReader reader(kLimits);
   auto bytes = std::make_unique_for_overwrite<std::array<char, kReadBytes>>();
   const auto token = asio::as_tuple(asio::use_awaitable);
@@ -36,6 +106,9 @@ asio::awaitable<void> serveConnection(tcp::socket socket, const ProcessFactory& 
     }
     reader.feed({bytes->data(), count});
     while (const auto read = reader.next()) {
+      if (read->has_value() && host.silent.leave(shared)) {
+        timer.cancel();
+      }
       if (const auto reply = dialogue.answer(*read)) {
         const auto [writeError, written] = co_await asio::async_write(socket, asio::buffer(*reply), token);
         if (writeError) {
@@ -54,7 +127,7 @@ asio::awaitable<void> serveConnection(tcp::socket socket, const ProcessFactory& 
   }
 }
 
-asio::awaitable<void> acceptConnections(tcp::acceptor& acceptor, const ProcessFactory& factory) {
+asio::awaitable<void> acceptConnections(tcp::acceptor& acceptor, Host& host) {
   while (true) {
     // each connection computes on a strand of its own, so that one does not wait for another
     auto [error, socket] =
@@ -62,10 +135,18 @@ asio::awaitable<void> acceptConnections(tcp::acceptor& acceptor, const ProcessFa
     if (error == asio::error::operation_aborted || !acceptor.is_open()) {
       co_return;
     }
-    if (!error) {
-      const auto executor = socket.get_executor();
-      asio::co_spawn(executor, serveConnection(std::move(socket), factory), asio::detached);
+    if (error) {
+      // a silent connection gives back its descriptor
+      const bool isMade = error == asio::error::no_descriptors && host.silent.closeOne();
+      asio::steady_timer pause(acceptor.get_executor(), std::chrono::milliseconds(isMade ? 1 : 100));
+      co_await pause.async_wait(asio::as_tuple(asio::use_awaitable));
+      continue;
     }
+    const auto shared = std::make_shared<tcp::socket>(std::move(socket));
+    host.silent.enter(shared);
+    asio::co_spawn(shared->get_executor(), serveConnection(shared, host), [&host, shared](const std::exception_ptr&) {
+      host.silent.leave(shared);
+    });
   }
 }
 
@@ -73,8 +154,9 @@ asio::awaitable<void> acceptConnections(tcp::acceptor& acceptor, const ProcessFa
 
 std::optional<std::string> hostEnvironment(const HostAddress& address, const ProcessFactory& factory,
                                            const std::function<void(std::uint16_t)>& onListening) {
-  const auto& [host, port, isInsecureAllowed] = address;
+  const auto& [host, port, isInsecureAllowed, firstMessage] = address;
   const unsigned threadCount = std::max(2U, processorCount());
+  Host shared{factory, firstMessage};
   asio::io_context context(static_cast<int>(threadCount));
   tcp::acceptor acceptor(context);
   boost::system::error_code error;
@@ -109,7 +191,7 @@ std::optional<std::string> hostEnvironment(const HostAddress& address, const Pro
       context.stop();
     }
   });
-  asio::co_spawn(context, acceptConnections(acceptor, factory), asio::detached);
+  asio::co_spawn(context, acceptConnections(acceptor, shared), asio::detached);
   onListening(acceptor.local_endpoint().port());
   std::vector<std::jthread> threads;
   for (unsigned i = 1; i < threadCount; ++i) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -18,6 +19,7 @@ struct HostAddress {
   std::string host = "127.0.0.1";
   std::uint16_t port = 0;          // 0: a free one
   bool isInsecureAllowed = false;  // an address that other machines reach: without encryption and without a token
+  std::chrono::milliseconds firstMessage{10'000};  // time until a connection has sent its first message
 };
 
 /// Serves a process over the protocol on a TCP address until SIGINT or SIGTERM. Calls `onListening` with the port when

@@ -69,6 +69,8 @@ TEST(NearestName, FindsNothingFarAway) {
   EXPECT_EQ(nearestName("zzzz", {"clover", "chiba"}), "");
   EXPECT_EQ(nearestName("x", {"y"}), "");
   EXPECT_EQ(nearestName("ww", {"w", "l"}), "w");
+  // of two that are as near the first
+  EXPECT_EQ(nearestName("shade", {"share", "shape", "shadow"}), "share");
 }
 
 TEST(SuggestName, NamesTheNearestAndTheList) {

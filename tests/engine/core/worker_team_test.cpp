@@ -98,6 +98,21 @@ TEST(WorkerTeam, TheFailureOfTheLowestTaskReachesTheCaller) {
   }
 }
 
+TEST(WorkerTeam, AfterAFailureNoTaskBegins) {
+  WorkerTeam team(2);
+  // more tasks than anybody makes before the failure is known
+  constexpr std::size_t kEndless = 2'000'000'000;
+  std::atomic<std::size_t> last = 0;
+  const auto failing = [&](std::size_t i) {
+    last = i;
+    if (i == 0) {
+      throw std::runtime_error("task 0");
+    }
+  };
+  EXPECT_EQ(failureOf([&] { team.forEach(kEndless, failing); }), "task 0");
+  EXPECT_LT(last, kEndless - 1);
+}
+
 TEST(WorkerTeam, OfTwoTasksThatFailAtOnceTheLowerReachesTheCaller) {
   WorkerTeam team(2);
   for (std::size_t round = 0; round < 200; ++round) {

@@ -76,6 +76,21 @@ TEST(Obstacles, WhatHasGrownIsRemembered) {
             std::vector<double>{1});
 }
 
+TEST(Obstacles, WhatIsRememberedDoesNotDependOnTheOrderOfTheQueries) {
+  const std::vector<core::Vec3> places{{-9, 0, 0}, {-9, 0, 5}, {-9, 0, 9}};
+  const auto stateAfter = [&](const std::vector<std::uint32_t>& order) {
+    const auto process = openProcess("obstacles", wall(R"("plants":"remembered")"));
+    std::vector<core::Vec3> asked;
+    for (const std::uint32_t plant : order) {
+      asked.push_back(places[plant]);
+    }
+    EXPECT_EQ(firstValues(answersOf(*process, asking(asked, {1.0, 0.3}, {0, 1, 0}, order))),
+              (std::vector<double>{1, 1, 1}));
+    return process->save();
+  };
+  EXPECT_EQ(stateAfter({2, 0, 1}), stateAfter({0, 1, 2}));
+}
+
 TEST(Obstacles, TheLongestSegmentEndsBeforeObstaclesAndOtherPlants) {
   // the wall begins at x = 2; a segment of radius 0.25 touches it when it is 1.75 long
   const std::vector<double> ten{1.0, 0.25, 0, 0, 0, 0, 0, 0, 0, 0};

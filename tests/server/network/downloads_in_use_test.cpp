@@ -31,7 +31,7 @@ class DownloadsInUse : public testing::Test {
     Interruption interruption;
     auto made =
         HostedSimulation::create(record, {language::compile(input, files).program}, {}, core_.limits().simulation,
-                                 core_.environmentServices(), core_.store(), interruption);
+                                 core_.environmentServices(core_.accounts().of("")), core_.store(), interruption);
     core_.add(record.id, std::move(made.value()));
     name_ = record.id;
   }

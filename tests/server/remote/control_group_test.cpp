@@ -1,6 +1,7 @@
 #include "server/remote/control_group.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <filesystem>
 #include <fstream>
@@ -53,6 +54,35 @@ TEST(ControlGroup, OfVersionOneIsReadToo) {
   EXPECT_EQ(controlGroupMemoryBytes(folder.path()), 1'000'000U);
   write(folder.path() + "/cpu/cpu.cfs_quota_us", "50000\n");
   EXPECT_EQ(processorCount(folder.path()), 1U);
+}
+
+TEST(ControlGroup, TheLeastOfItsBoundsCounts) {
+  const TemporaryFolder folder;
+  write(folder.path() + "/memory.max", "2000000\n");
+  write(folder.path() + "/memory.high", "max\n");
+  EXPECT_EQ(controlGroupMemoryBytes(folder.path()), 2'000'000U);
+  write(folder.path() + "/memory.high", "1000000\n");
+  EXPECT_EQ(controlGroupMemoryBytes(folder.path()), 1'000'000U);
+}
+
+TEST(UsableMemory, LimitsOfTheProcessCount) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take more address space than any limit";
+#endif
+  const std::uint64_t before = usableMemoryBytes();
+  for (const auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
+    ::rlimit limit{};
+    ASSERT_EQ(::getrlimit(resource, &limit), 0);
+    const ::rlimit own = limit;
+    // little, but more than this process has: nothing fails meanwhile
+    limit.rlim_cur = before / 2;
+    ASSERT_EQ(::setrlimit(resource, &limit), 0);
+    const std::uint64_t bounded = usableMemoryBytes();
+    EXPECT_EQ(processMemoryBytes(), before / 2);
+    ASSERT_EQ(::setrlimit(resource, &own), 0);
+    EXPECT_EQ(bounded, before / 2 / 5 * 4);
+    EXPECT_EQ(usableMemoryBytes(), before);
+  }
 }
 
 TEST(ControlGroup, NonsenseIsNoBound) {

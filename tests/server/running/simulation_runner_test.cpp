@@ -58,7 +58,7 @@ class HeldTurns : public testing::Test {
     Interruption interruption;
     auto made =
         HostedSimulation::create(record, {language::compile(input, files).program}, {}, core_.limits().simulation,
-                                 core_.environmentServices(), core_.store(), interruption);
+                                 core_.environmentServices(core_.accounts().of("")), core_.store(), interruption);
     core_.add(record.id, std::move(made.value()));
     runner_ = core_.find(record.id);
   }

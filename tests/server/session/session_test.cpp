@@ -314,6 +314,25 @@ TEST(Session, ATraceIsBegunEndedListedAndSent) {
       "ask for its traces, or download it over HTTP");
 }
 
+TEST(Session, AForkOfATracedSimulationHasATraceOfItsOwn) {
+  const TemporaryFolder folder;
+  ServerOptions options;
+  options.dataFolder = folder.path();
+  const RunningServer server(options);
+  const auto client = connectTo(server);
+  const std::string original = create(*client, kGrowth, R"([{"type":"height"}])", R"("trace":true)");
+  resultOf(client->request("simulation.step", named(original)));
+  const std::string fork = member(resultOf(client->request("simulation.fork", named(original))), "simulation");
+  resultOf(client->request("simulation.step", named(fork, R"("steps":2)")));
+  resultOf(client->request("simulation.trace", named(fork, R"("trace":false)")));
+  const auto source = TraceFileSource::open(folder.path() + "/traces/" + fork + "-1.trace.zst");
+  ASSERT_TRUE(source.has_value());
+  const auto replayed = simulation::replayTrace(**source, UINT64_MAX, 1);
+  ASSERT_TRUE(replayed.has_value()) << replayed.error();
+  EXPECT_EQ(replayed->steps, 2U);
+  EXPECT_FALSE(replayed->divergence.has_value());
+}
+
 TEST(Session, ALongCallSaysHowFarItIsWhenAsked) {
   const RunningServer server;
   const auto client = connectTo(server);

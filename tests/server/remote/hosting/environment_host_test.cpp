@@ -1,7 +1,10 @@
 #include "server/remote/hosting/environment_host.h"
 
+#include <chrono>
 #include <csignal>
 #include <future>
+#include <memory>
+#include <vector>
 
 #include "engine/language/compiler.h"
 #include "engine/simulation/simulation.h"
@@ -63,11 +66,11 @@ std::vector<std::string> grow(std::unique_ptr<EnvironmentProcess> process, std::
 class Hosted {
  public:
   explicit Hosted(const std::string& name) : Hosted([name] { return builtIn(name); }) {}
-  explicit Hosted(ProcessFactory factory) {
+  explicit Hosted(ProcessFactory factory, const HostAddress& where = {}) {
     std::promise<std::uint16_t> listening;
     auto port = listening.get_future();
-    thread_ = std::thread([factory = std::move(factory), &listening] {
-      const auto problem = hostEnvironment({}, factory, [&listening](std::uint16_t p) { listening.set_value(p); });
+    thread_ = std::thread([factory = std::move(factory), where, &listening] {
+      const auto problem = hostEnvironment(where, factory, [&listening](std::uint16_t p) { listening.set_value(p); });
       EXPECT_EQ(problem, std::nullopt);
     });
     address_ = "tcp://127.0.0.1:" + std::to_string(port.get());
@@ -174,6 +177,36 @@ TEST(EnvironmentDialogue, AGeometryThatDoesNotFitIsRefused) {
             std::string::npos);
 }
 
+constexpr std::string_view kDescribe = R"({"jsonrpc":"2.0","id":1,"method":"environment.describe"})";
+
+TEST(EnvironmentHost, AConnectionThatSaysNothingIsClosed) {
+  const Hosted hosted([] { return builtIn("height"); }, {.firstMessage = std::chrono::milliseconds(50)});
+  const std::string address = hosted.address().substr(std::string_view("tcp://").size());
+  RawPeer speaking(address);
+  EXPECT_NE(speaking.ask(kDescribe).find(R"("name":"height")"), std::string::npos);
+  RawPeer silent(address);
+  RawPeer rubbish(address);
+  rubbish.send("rubbish\n");
+  EXPECT_TRUE(silent.isClosed());
+  EXPECT_TRUE(rubbish.isClosed());
+  // one that has spoken may be silent for long
+  EXPECT_NE(speaking.ask(kDescribe).find(R"("name":"height")"), std::string::npos);
+}
+
+TEST(EnvironmentHost, SilentConnectionsGiveWay) {
+  const Hosted hosted("height");
+  const std::string address = hosted.address().substr(std::string_view("tcp://").size());
+  RawPeer speaking(address);
+  EXPECT_NE(speaking.ask(kDescribe).find(R"("name":"height")"), std::string::npos);
+  std::vector<std::unique_ptr<RawPeer>> silent;
+  for (int i = 0; i < 130; ++i) {
+    silent.push_back(std::make_unique<RawPeer>(address));
+  }
+  EXPECT_TRUE(silent.front()->isClosed());
+  EXPECT_NE(silent.back()->ask(kDescribe).find(R"("name":"height")"), std::string::npos);
+  EXPECT_NE(speaking.ask(kDescribe).find(R"("name":"height")"), std::string::npos);
+}
+
 TEST(EnvironmentHost, AnAddressThatOtherMachinesReachIsRefusedUnlessAllowed) {
   const auto problem = hostEnvironment(
       {.host = "0.0.0.0"}, [] { return builtIn("height"); }, [](std::uint16_t) { ADD_FAILURE() << "listens"; });
@@ -211,6 +244,28 @@ TEST(EnvironmentDialogue, AMinimalControllerNeedsNeitherHelloNorOpen) {
               R"({"simulation":"a","step":0,"queries":[{"id":0,"symbol":"E","parameters":[5],"position":[1,2.5,3]}]})"),
           "result"),
       R"({"replies":[{"id":0,"parameters":[2.5]}]})");
+}
+
+TEST(EnvironmentDialogue, EveryProcessIsOpenedForAControllerThatDoesNotOpenIt) {
+  for (const std::string& name : environment::processNames()) {
+    SCOPED_TRACE(name);
+    const auto made = environment::makeProcess(name, "");
+    if (!made) {
+      continue;  // it needs a configuration
+    }
+    const ProcessFactory factory = [&name] { return builtIn(name); };
+    for (const std::string first : {"environment.step", "environment.save"}) {
+      EnvironmentDialogue dialogue(factory, {});
+      // the answer is a result, or says what the process needs
+      const std::string step =
+          R"("step":0,"queries":[{"id":0,"symbol":"E","parameters":[9,1],"position":[1,2.5,3],"heading":[0,1,0],)"
+          R"("left":[-1,0,0],"up":[0,0,1]}])";
+      const std::string answer = ask(dialogue, first, R"({"simulation":"a",)" + step + "}");
+      EXPECT_EQ(answer.find("-32603"), std::string::npos) << answer;
+      const std::string again = ask(dialogue, "environment.step", R"({"simulation":"a",)" + step + "}");
+      EXPECT_EQ(again.find("-32603"), std::string::npos) << again;
+    }
+  }
 }
 
 TEST(EnvironmentDialogue, DescribesTheProcess) {
