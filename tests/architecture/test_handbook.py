@@ -229,7 +229,7 @@ class Rules(unittest.TestCase):
 
 def shown_by(row: str) -> List[str]:
     """The tests that a row of the table of threats names, as FILE::Suite.name."""
-    return re.findall(r"`(tests/[\w/]+\.(?:py|cpp)::\w+\.\w+)`", row)
+    return re.findall(r"`((?:clients/python/)?tests/[\w/]+\.(?:py|cpp)::\w+\.\w+)`", row)
 
 
 def is_test(name: str) -> bool:

@@ -62,6 +62,7 @@ class Bits(unittest.TestCase):
                                                     "--threads", "7", GLIBC_TUNABLES=MASKS[1]).stdout)
                     espalier("replay", f"{folder}/trace", GLIBC_TUNABLES=MASKS[0])
 
+    @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes minutes: ./dev test --all long")
     def test_long_all_lines_for_any_number_of_threads(self) -> None:
         wanted = {name: value for name, value in recorded().items() if not name.startswith("random ")}
         for threads in (1, 2, 3, 4, 7):

@@ -14,6 +14,7 @@ import time
 import typing
 import unittest
 
+LONGEST = ("InABrowser", "Validation", "HostilePeersAtOnce")
 PROCESSES = multiprocessing.get_context("fork")
 
 
@@ -76,8 +77,8 @@ def main() -> int:
                 if re.search(options.pattern, test.id()):
                     classes.setdefault((type(test), folder), []).append(test)
 
-    # the longest first, as far as the number of tests tells
-    work = sorted(classes.values(), key=len, reverse=True)
+    # the longest first: a minute and more, then as far as the number of tests tells
+    work = sorted(classes.values(), key=lambda tests: (type(tests[0]).__name__ not in LONGEST, -len(tests)))
     passed = broken = 0
     times = []
     with concurrent.futures.ThreadPoolExecutor(max_workers=options.jobs) as pool:

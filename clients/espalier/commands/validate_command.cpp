@@ -76,8 +76,16 @@ const char* verdictOf(const validation::Row& row) {
   return !row.tolerance ? "reported" : row.isMet() ? "met" : "NOT MET";
 }
 
+/// Whether something that is missing is a file of the data; else it is a part of one, in words.
+bool isFile(const std::string& missing) {
+  return missing.find("the function") == std::string::npos;
+}
+
 /// What a case leaves out for want of a file, and where that is published: a sentence.
 std::string leftOut(const validation::CaseResult& result, const std::string& missing, const std::string& file) {
+  if (!isFile(missing)) {
+    return (result.rows.empty() ? "It needs " : "A part of it needs ") + missing;
+  }
   const std::string_view source = validation::sourceOfTable(missing);
   return (result.rows.empty() ? "It needs " : "A part of it needs ") + file + ", which is not ours to publish" +
          (source.empty() ? std::string() : ". " + std::string(source));
@@ -157,7 +165,7 @@ bool printRows(const validation::Case& one, const validation::CaseResult& result
   std::fflush(stdout);
   for (const std::string& name : result.missing) {
     printNote(std::string(one.name) + " is left out" + (result.rows.empty() ? "" : " in part") + ". " +
-              leftOut(result, name, name) + ". Give the folder that has it with --data");
+              leftOut(result, name, name) + (isFile(name) ? ". Give the folder that has it with --data" : ""));
   }
   return isMet;
 }

@@ -205,7 +205,9 @@ CaseResult rootSystem(const Data& data) {
     return result;
   }
   (roots->isPublished ? addPublishedJoins : addJoinsOfMarkup)(roots->nodes, fractions ? &*fractions : nullptr, result);
-  if (const auto ages = ReferenceTable::read(data, "root_conductivities.tsv", result.missing)) {
+  if (!roots->hasDays) {
+    result.missing.emplace_back("the function 'emergence_time' in m32_roots.rsml");
+  } else if (const auto ages = ReferenceTable::read(data, "root_conductivities.tsv", result.missing)) {
     const auto flow =
         treeOf(roots->nodes, "parent", {.soilHead = -200.0, .ages = &*ages, .day = 14.0}).solve({.head = -500.0});
     result.rows.push_back({"conductivities by age, collar flow, cm3/day", flow.collarFlows[0], std::nullopt, ""});

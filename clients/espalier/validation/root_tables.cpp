@@ -67,7 +67,7 @@ std::optional<RootTable> readRootTable(const Data& data, const std::string& name
       missing.push_back(name + ".tsv or " + markup);
       return std::nullopt;
     }
-    return RootTable{std::move(*table), true};
+    return RootTable{std::move(*table), true, true};
   }
   auto system = roots::readRsml(*text);
   if (!system) {
@@ -81,7 +81,7 @@ std::optional<RootTable> readRootTable(const Data& data, const std::string& name
   return RootTable{
       ReferenceTable::of(markup, "point", {"node", "parent", "x", "y", "z", "radius", "order", "emergence"},
                          rowsOf(*system)),
-      false};
+      false, std::ranges::none_of(system->nodes, [](const auto& node) { return std::isnan(node.emergence); })};
 }
 
 environment::ConfigurationRows rowsOf(const ReferenceTable& ages, const std::string& column) {

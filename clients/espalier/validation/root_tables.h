@@ -14,6 +14,7 @@ namespace espalier::validation {
 struct RootTable {
   ReferenceTable nodes;     // node, parent, x, y, z, radius, order, emergence
   bool isPublished = true;  // false: from RSML, which has one kind of joins and no heads
+  bool hasDays = true;      // false: from RSML without the function `emergence_time`
 };
 
 /// `NAME.tsv` of the data, or else `NAME.rsml` in the Root System Markup Language, in cm with z up. Nothing when both

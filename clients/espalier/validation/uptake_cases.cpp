@@ -419,6 +419,10 @@ CaseResult dryingSoilFine(const Data& data) {
 CaseResult dryingSoilByAge(const Data& data) {
   CaseResult result;
   const auto tables = readDryingSoil(data, result);
+  if (tables && !tables->roots.hasDays) {
+    result.missing.emplace_back("the function 'emergence_time' in c12_roots.rsml");
+    return result;
+  }
   const auto ages = ReferenceTable::read(data, "root_conductivities.tsv", result.missing);
   if (tables && ages) {
     addDryingSoil(*tables, &*ages, 1.0, std::nullopt, result);

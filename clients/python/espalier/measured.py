@@ -86,7 +86,7 @@ def _vertices(file: Path) -> List[_Vertex]:
     latest: Dict[int, int] = {}  # by column: the vertex that was written there last
     begun: Dict[int, bool] = {}  # by column: an axis was joined by `+` there, and its first vertex comes in a later line
     for number, line in enumerate(lines[head + 1:], head + 2):
-        cells = line.split("\t")[:width]
+        cells = line.partition("#")[0].split("\t")[:width]  # the rest is a comment
         column = next((i for i, cell in enumerate(cells) if cell.strip()), None)
         if column is None:
             continue
