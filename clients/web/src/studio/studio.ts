@@ -1,11 +1,11 @@
 // The state of the studio: a connection, a document, its simulation, and what the page shows of them.
-import { Code, ConnectionLost, ServerError, connect } from "espalier";
+import { Code, ServerError, connect } from "espalier";
 import type { Client, Diagnostic, Information, Simulation, Statistics, Stream } from "espalier";
 import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { ModelPalette } from "../view/colours.js";
 import type { Picked } from "../view/measures.js";
-import { definesOf, definesOfDocument, directionToViewer, fileOf, firstDocument, galleryDocument, newDocument, numberText, withProcesses, withText } from "./document.js";
+import { definesOfDocument, directionToViewer, fileOf, firstDocument, galleryDocument, newDocument, numberText, withProcesses, withText } from "./document.js";
 import type { Define, Document } from "./document.js";
 import { Beside } from "./beside.js";
 import type { Growth } from "./beside.js";
@@ -176,7 +176,7 @@ export class Studio {
     }
   }
 
-  async connect(token: string, isFirst = true): Promise<void> {
+  async connect(token: string): Promise<void> {
     try {
       this.client = await connect(location.origin, {
         name: "studio",
@@ -186,10 +186,6 @@ export class Studio {
         onRefused: (error) => this.refused(error, "The server does not take this token any more. Nothing is lost: the text stays in the page."),
       });
     } catch (error) {
-      // a browser that is busy with the page may say hello too late: the second time the page is made
-      if (error instanceof ConnectionLost && isFirst) {
-        return this.connect(token, false);
-      }
       this.refused(error as Error, token ? (error as Error).message : "This server needs a token.");
       return;
     }
@@ -640,9 +636,7 @@ export class Studio {
   slide(define: Define, value: number, sliderStep: number, isFinal: boolean): void {
     const text = this.document.files[define.file];
     const written = numberText(value, sliderStep);
-    // where the number is now: the slider may move again before the page has drawn its last move
-    const { from, to } = definesOf(define.file, text).find(({ line }) => line === define.line) ?? define;
-    const files = { ...this.document.files, [define.file]: text.slice(0, from) + written + text.slice(to) };
+    const files = { ...this.document.files, [define.file]: text.slice(0, define.from) + written + text.slice(define.to) };
     this.document = { ...this.document, files, gallery: null };
     this.isChanged = true;
     const isUnderWay = this.wanted !== null;
