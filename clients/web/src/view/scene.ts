@@ -57,8 +57,6 @@ export class View {
   readonly controls: OrbitControls;
   /** Called once when pictures take long. */
   onSlow: () => void = () => {};
-  /** It draws only what `pictureOf` asks for. */
-  isOfPictures = false;
   private readonly clock: GpuClock;
   /** Called after the camera moved or the plant changed. */
   onDrawn: () => void = () => {};
@@ -248,9 +246,7 @@ export class View {
 
   /** A picture waits until the one before it is ready: pictures that queue up would hold up the whole page. */
   private drawWhenIdle(): void {
-    if (this.isOfPictures) {
-      this.isDrawing = false;
-    } else if (this.clock.isBusy) {
+    if (this.clock.isBusy) {
       setTimeout(() => this.drawWhenIdle(), 20);
     } else if (this.hasNewMaterials) {
       this.hasNewMaterials = false;
