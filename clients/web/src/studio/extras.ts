@@ -69,7 +69,7 @@ export class Extras {
   private async showMesh({ glb, step, simulation }: FrameOf<"glb">): Promise<void> {
     const object = await readObject(glb.slice().buffer);
     const { studio } = this;
-    await Promise.all([studio.held, studio.isStaged]);
+    await studio.held;
     // not a state on the way to the wanted one
     if (simulation === this.simulation?.id && (studio.isRunning || step === studio.step)) {
       studio.view?.showObject(object, step);

@@ -61,8 +61,6 @@ export class Studio {
   readonly fields = new Fields(this);
   readonly watched = new Watched(this);
   held: Promise<void> | null = null; // frames wait for it
-  private staged: () => void = () => {};
-  readonly isStaged = new Promise<void>((done) => (this.staged = done)); // frames wait for the view, too
   /** Called when there is a connection, and when there is one again. */
   onConnected: () => void = () => {};
   /** Takes the last change of the shown text back, also a slider's; or makes it again. */
@@ -123,15 +121,6 @@ export class Studio {
     }
   }
 
-  /** The page is made: it has a view, or null where the browser cannot draw. The connection may be older. */
-  stage(view: View | null): void {
-    this.view = view;
-    view?.setPalette(this.palette);
-    view?.forgetFit(directionToViewer(this.document));
-    this.staged();
-    this.changed();
-  }
-
   // ---- the server
 
   async start(token?: string): Promise<void> {
@@ -142,22 +131,13 @@ export class Studio {
     if (this.connection !== "connected") {
       return;
     }
-    if (!shown) {
-      setInterval(() => void this.list().catch(() => {}), LIST_MILLISECONDS);
+    if (shown) {
+      // what the page holds counts, not its address
+      await this.act(() => (this.isOwn ? this.build(this.step) : this.watch(shown)));
+      return;
     }
-    // what the page holds counts, not its address; and the plant is asked for before the lists
-    const opened = this.act(() => (!shown ? this.openHash(named) : this.isOwn ? this.build(this.step) : this.watch(shown)));
-    await Promise.all([opened, this.readLists().catch((error) => this.fail(error))]);
-    this.changed();
-  }
-
-  /** What the server offers. */
-  private async readLists(): Promise<void> {
-    const lists = [this.client.gallery(), this.client.call("environment.list", {}), this.list()] as const;
-    const [{ entries, pictures, saved }, { environments }] = await Promise.all(lists);
-    this.gallery = entries.map((name) => ({ name, picture: pictures[name] ?? null }));
-    this.saved = saved ?? null;
-    this.environments = environments as EnvironmentEntry[];
+    setInterval(() => void this.list().catch(() => {}), LIST_MILLISECONDS);
+    await this.act(() => this.openHash(named));
   }
 
   private async openHash(named: URLSearchParams): Promise<void> {
@@ -171,8 +151,9 @@ export class Studio {
       this.seed = shared.seed;
       await this.openDocument(shared.document, shared.step);
     } else {
+      const entries = this.gallery.map(({ name }) => name);
       const first = named.get("gallery");
-      await (first ? this.openGallery(first, named.get("step") ? Number(named.get("step")) : undefined) : this.openDocument(await firstDocument(this.client)));
+      await (first ? this.openGallery(first, named.get("step") ? Number(named.get("step")) : undefined) : this.openDocument(await firstDocument(this.client, entries)));
     }
   }
 
@@ -193,7 +174,12 @@ export class Studio {
     this.message = null;
     this.connection = "connected";
     this.server = this.client.hello.server;
+    const [{ entries, pictures, saved }, { environments }] = await Promise.all([this.client.gallery(), this.client.call("environment.list", {})]);
+    this.gallery = entries.map((name) => ({ name, picture: pictures[name] ?? null }));
+    this.saved = saved ?? null;
+    this.environments = environments as EnvironmentEntry[];
     this.onConnected();
+    await this.list();
   }
 
   private refused(error: Error, ofToken: string): void {
@@ -423,17 +409,17 @@ export class Studio {
     this.step = information?.step ?? 0;
     this.length = simulation.created?.derivationLength ?? information?.derivationLength ?? 0;
     this.isFinished = simulation.created?.finished ?? information?.finished ?? false;
+    await this.takePalette(simulation);
     this.view?.highlight(null);
     if (isAnother) {
       this.view?.forgetFit(directionToViewer(this.document));
     }
-    // one round trip: the colours come before the first frame
-    const colours = this.takePalette(simulation);
-    const opened = [simulation.stream("statistics", { credits: undefined }), simulation.stream("columns", { credits: 1, precision: "single" })] as const;
-    const [, statistics, columns] = await Promise.all([colours, ...opened, this.extras.follow(simulation)]);
+    const statistics = await simulation.stream("statistics", { credits: undefined });
+    const columns = await simulation.stream("columns", { credits: 1 });
     this.streams = [statistics, columns];
     void this.readStatistics(statistics);
     void this.readColumns(columns);
+    await this.extras.follow(simulation);
     this.changed();
   }
 
@@ -463,10 +449,9 @@ export class Studio {
   private async readColumns(stream: Stream<"columns">): Promise<void> {
     let isSkipped = false;
     for await (const frame of stream) {
-      const due = this.held ?? (this.view ? null : this.isStaged);
-      if (due) {
-        // perhaps a state on the way to the wanted one
-        await due;
+      if (this.held) {
+        // a state on the way to the wanted one
+        await this.held;
         if (frame.step !== this.step) {
           isSkipped = true;
           continue;
@@ -513,14 +498,12 @@ export class Studio {
   /** Derives to a step, and keeps states on the way. */
   private async advance(until: number): Promise<void> {
     const simulation = this.simulation!;
-    let kept = this.keep(simulation);
+    await this.keep(simulation);
     let chunk = 1;
     let sinceKept = 0;
     while (this.step < until && !this.isFinished && this.simulation === simulation) {
-      // the server saves the state, then makes the steps
-      let begin = performance.now();
-      const stepping = this.derive(() => simulation.stepUntil(Math.min(until, this.step + chunk)));
-      const [result] = await Promise.all([stepping, kept.then(() => (begin = performance.now()))]);
+      const begin = performance.now();
+      const result = await this.derive(() => simulation.stepUntil(Math.min(until, this.step + chunk)));
       const time = performance.now() - begin;
       const made = result.step - this.step;
       this.step = result.step;
@@ -531,12 +514,11 @@ export class Studio {
       sinceKept += time;
       chunk = Math.max(1, Math.min(1000, Math.round((chunk * STATE_MILLISECONDS) / 2 / Math.max(time, 1))));
       if (sinceKept > STATE_MILLISECONDS) {
-        kept = this.keep(simulation);
+        await this.keep(simulation);
         sinceKept = 0;
       }
       this.changed();
     }
-    await kept;
     await this.keep(simulation);
   }
 
@@ -647,6 +629,19 @@ export class Studio {
     }
   }
 
+  /** Takes numbers and a seed over, as sliders do. `steps`: of the digits that are written. */
+  async takeOver(values: Record<string, number>, seed: number, steps: Record<string, number>): Promise<void> {
+    for (const [name, value] of Object.entries(values)) {
+      const define = this.defines.find((one) => one.name === name);
+      if (define) {
+        this.slide(define, value, steps[name] ?? 0.01, true);
+      }
+    }
+    if (seed !== this.seed) {
+      await this.setSeed(seed);
+    }
+  }
+
   private async deriveWanted(): Promise<void> {
     const simulation = this.simulation;
     const wish = this.wanted;
@@ -695,5 +690,10 @@ export class Studio {
       this.history.clear();
       await this.keep(this.simulation!);
     });
+  }
+
+  async deleteSimulation(id: string): Promise<void> {
+    await this.client.call("simulation.delete", { simulation: id });
+    await this.list();
   }
 }

@@ -7,7 +7,7 @@ import {
   DirectionalLight,
   HemisphereLight,
   Mesh,
-  MeshLambertMaterial,
+  MeshStandardMaterial,
   Object3D,
   PCFShadowMap,
   PerspectiveCamera,
@@ -33,15 +33,6 @@ import { Surroundings } from "./surroundings.js";
 import type { Solid } from "./surroundings.js";
 
 const FIELD_OF_VIEW = 32;
-const CONTEXT = { antialias: true, alpha: true, preserveDrawingBuffer: true };
-
-/** A canvas whose graphics card has been asked for: the card answers while the page is made. */
-export function canvasToDraw(): HTMLCanvasElement {
-  const canvas = document.createElement("canvas");
-  const context = canvas.getContext("webgl2", CONTEXT) as WebGL2RenderingContext | null;
-  context?.flush();
-  return canvas;
-}
 
 export interface ViewSettings {
   mode: ColourMode;
@@ -66,7 +57,7 @@ export class View {
   private readonly scene = new Scene();
   private readonly sun = new DirectionalLight(0xfff4e2, 2.4);
   private readonly sky = new HemisphereLight(0xf4f8ff, 0xb7ab92, 1.6);
-  private readonly ground: Mesh<CircleGeometry, MeshLambertMaterial>;
+  private readonly ground: Mesh<CircleGeometry, MeshStandardMaterial>;
   readonly surroundings = new Surroundings();
   readonly fieldView = new FieldView();
   private field: Field | null = null;
@@ -77,7 +68,6 @@ export class View {
   private hasBackground = true;
   private isComplete = false; // the first picture has neither shadows, ground nor sky: their programs take long to make
   private isDrawing = false;
-  private hasNewMaterials = true; // their programs are made before the next picture; the page does not stand still meanwhile
   private readonly size = new Vector2(); // of the element
   private isTurned = false; // by a person, who does not want it turned back
   private other: Object3D | null = null; // an object of a file instead of the columns
@@ -86,10 +76,8 @@ export class View {
   constructor(
     readonly element: HTMLElement,
     public settings: ViewSettings,
-    canvas = canvasToDraw(),
   ) {
-    const context = canvas.getContext("webgl2") as WebGL2RenderingContext | null;
-    this.renderer = new WebGLRenderer({ canvas, ...(context && { context }), ...CONTEXT });
+    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     const slow = () => {
       this.plants.tubes.isCoarse = true;
@@ -114,10 +102,9 @@ export class View {
     this.sun.shadow.intensity = 0.75;
     this.ground = new Mesh(
       new CircleGeometry(1, 96).rotateX(-Math.PI / 2),
-      new MeshLambertMaterial({ transparent: true, alphaMap: fadeTexture(), depthWrite: false }),
+      new MeshStandardMaterial({ roughness: 1, transparent: true, alphaMap: fadeTexture(), depthWrite: false }),
     );
     this.ground.receiveShadow = true;
-    this.ground.visible = false;
     this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.plants.tubes.mesh, this.plants.organs.mesh, this.surroundings.group, this.fieldView.group);
     this.camera.position.set(0, 2, 10);
     this.apply(settings);
@@ -135,7 +122,6 @@ export class View {
     this.ground.material.color = new Color(settings.isDark ? 0x39413a : 0xe9e7da);
     this.sky.intensity = settings.isDark ? 1.3 : 1.6;
     this.surroundings.group.visible = settings.hasSurroundings;
-    this.hasNewMaterials = true;
     this.repaint();
     this.arrange();
   }
@@ -184,7 +170,6 @@ export class View {
   }
 
   lookAtField(look: FieldLook): void {
-    this.hasNewMaterials = true;
     this.fieldView.show(this.field, look);
     this.draw();
   }
@@ -211,7 +196,6 @@ export class View {
         part.castShadow = part.receiveShadow = true;
       });
       this.scene.add(object);
-      this.hasNewMaterials = true;
       this.element.dataset.textured = String(step);
     }
     this.arrange();
@@ -248,21 +232,10 @@ export class View {
   private drawWhenIdle(): void {
     if (this.clock.isBusy) {
       setTimeout(() => this.drawWhenIdle(), 20);
-    } else if (this.hasNewMaterials) {
-      this.hasNewMaterials = false;
-      void this.makePrograms().then(() => this.drawWhenIdle());
     } else {
       this.isDrawing = false;
       this.drawNow();
     }
-  }
-
-  /** Has the graphics card make the programs of what is seen, and of plants that are still to come. */
-  private async makePrograms(): Promise<void> {
-    const plants = [this.plants.tubes.mesh, this.plants.organs.mesh];
-    const others = this.scene.children.filter((child) => child.visible && !(plants as Object3D[]).includes(child));
-    const isParallel = this.renderer.extensions.has("KHR_parallel_shader_compile");
-    await Promise.all([...plants, ...others].map((object) => this.renderer[isParallel ? "compileAsync" : "compile"](object, this.camera, this.scene)));
   }
 
   /** The plant is seen. Now everything about it. */
