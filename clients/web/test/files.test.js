@@ -213,6 +213,16 @@ test("plants that look the same have the same shape, also when a part has moved 
   assert.notEqual(shapeOf(plant([1, 2])), shapeOf(plant([2, 1])));
 });
 
+test("sliders are moved faster than the page draws, and only the number changes", async () => {
+  globalThis.location = { hash: "" };
+  const { Studio } = await load("studio.ts");
+  const studio = new Studio();
+  studio.document = { ...studio.document, main: "m.l", files: { "m.l": "#define A 45 /* a */\n#define B 2\nLsystem: 1\n" } };
+  const [drawn] = studio.defines; // as the page has drawn it
+  [44.9, 100, 9, 45.1, 47].forEach((value) => studio.slide(drawn, value, 0.1, false));
+  assert.equal(studio.document.files["m.l"], "#define A 47 /* a */\n#define B 2\nLsystem: 1\n");
+});
+
 test("sliders are made for numeric macros only, and write a number as it was meant", () => {
   const text = "#define A 0.5  /* half */\n#define B (A + 1)\n#define C(x) 2\n  #  define D -3 // three\n#define E 1e-2\n#define F x1\n";
   const found = model.definesOf("a.l", text);

@@ -109,6 +109,17 @@ test("a slider that moves two hundred times has one derivation under way and end
   await other.close();
   await page.keyboard.press("Escape");
 
+  // numbers of other lengths, faster than the page draws: only the number changes, and its slider stays
+  await page.evaluate(() => {
+    const slider = document.getElementById("define-A0");
+    for (const value of ["44.9", "100", "9", "45.1", "47"]) {
+      slider.value = value;
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+    }
+  });
+  assert.equal(await page.evaluate(() => studio.document.files["parametric-tree.l"]), original.replace("A0 45", "A0 47"));
+  await page.waitForFunction(() => studio.counts.inFlight === 0 && studio.isFinished);
+
   // a slider's change is taken back by the keyboard, wherever it is
   await page.evaluate(() => {
     const slider = document.getElementById("define-A0");

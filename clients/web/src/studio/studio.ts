@@ -5,7 +5,7 @@ import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { ModelPalette } from "../view/colours.js";
 import type { Picked } from "../view/measures.js";
-import { definesOfDocument, directionToViewer, fileOf, firstDocument, galleryDocument, newDocument, numberText, withProcesses, withText } from "./document.js";
+import { definesOf, definesOfDocument, directionToViewer, fileOf, firstDocument, galleryDocument, newDocument, numberText, withProcesses, withText } from "./document.js";
 import type { Define, Document } from "./document.js";
 import { Beside } from "./beside.js";
 import type { Growth } from "./beside.js";
@@ -618,7 +618,9 @@ export class Studio {
   slide(define: Define, value: number, sliderStep: number, isFinal: boolean): void {
     const text = this.document.files[define.file];
     const written = numberText(value, sliderStep);
-    const files = { ...this.document.files, [define.file]: text.slice(0, define.from) + written + text.slice(define.to) };
+    // where the number is now: the slider may move again before the page has drawn its last move
+    const { from, to } = definesOf(define.file, text).find(({ line }) => line === define.line) ?? define;
+    const files = { ...this.document.files, [define.file]: text.slice(0, from) + written + text.slice(to) };
     this.document = { ...this.document, files, gallery: null };
     this.isChanged = true;
     const isUnderWay = this.wanted !== null;
