@@ -69,7 +69,7 @@ SHORT = (
 class InABrowser(unittest.TestCase):
     @unittest.skipUnless(PLAYWRIGHT.is_dir(), "the packages of clients/web are not there (./dev build fetches them)")
     def test_the_studio(self) -> None:
-        self.run_studio(["--test-name-pattern", SHORT, "test/files.test.js", "test/plants.test.js", "test/studio.test.js"], 240)
+        self.run_studio(["--test-name-pattern", SHORT, "test/files.test.js", "test/plants.test.js", "test/studio.test.js"], 420)
 
     @unittest.skipUnless(PLAYWRIGHT.is_dir(), "the packages of clients/web are not there (./dev build fetches them)")
     @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "hovers and drags take minutes: ./dev test --all long")

@@ -14,7 +14,7 @@ import time
 import typing
 import unittest
 
-LONGEST = ("InABrowser", "Validation", "HostilePeersAtOnce")
+LONGEST = ("InABrowser",)
 PROCESSES = multiprocessing.get_context("fork")
 
 
@@ -77,7 +77,7 @@ def main() -> int:
                 if re.search(options.pattern, test.id()):
                     classes.setdefault((type(test), folder), []).append(test)
 
-    # the longest first: a minute and more, then as far as the number of tests tells
+    # the longest first: one of minutes, then as far as the number of tests tells
     work = sorted(classes.values(), key=lambda tests: (type(tests[0]).__name__ not in LONGEST, -len(tests)))
     passed = broken = 0
     times = []
