@@ -59,26 +59,29 @@ def run(part: Part, folder: pathlib.Path, seconds: float) -> list[Result]:
             ended = subprocess.run([part.program, "--gtest_color=no", "--gtest_filter=" + ":".join(remaining)], cwd=folder,
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=seconds, check=False)
             output = ended.stdout
-            if ended.returncode not in (0, 1):
+            if ended.returncode != 0:
                 reason = f"its process ended with {ended.returncode}"
         except subprocess.TimeoutExpired as late:
             output = late.stdout or b""
             reason = f"not finished after {seconds} s"
+        text = output.decode(errors="replace")
+        begun = []
         # what stands between the beginnings of two tests
-        for text in output.decode(errors="replace").split("[ RUN      ] ")[1:]:
-            test = text.split(maxsplit=1)[0]
+        for said in text.split("[ RUN      ] ")[1:]:
+            test = said.split(maxsplit=1)[0]
             if test not in remaining:
                 continue
-            said = OUTCOME.search(text)
-            if said is None:
-                results.append(Result(test, "FAILED", 0.0, f"{text}\n{test}: {reason}\n"))
-            else:
-                results.append(Result(test, said[1], int(said[3]) / 1000, text))
+            outcome = OUTCOME.search(said)
+            begun.append(Result(test, outcome[1], int(outcome[3]) / 1000, said) if outcome else
+                         Result(test, "FAILED", 0.0, f"{said}\n{test}: {reason or 'no outcome'}\n"))
             remaining = [other for other in remaining if other != test]
-        if len(results) + len(remaining) == len(part.tests) and not any(result.test in part.tests for result in results):
-            # not one began
-            return [Result(test, "FAILED", 0.0, f"{output.decode(errors='replace')}\n{test}: {reason or 'did not run'}\n")
-                    for test in remaining]
+        results += begun
+        if not begun or (reason and not any(result.outcome == "FAILED" for result in begun)):
+            # no test began, or the process failed behind the last one, as when it lost memory
+            failed = remaining or [begun[-1].test]
+            results = [result for result in results if result.test not in failed]
+            results += [Result(test, "FAILED", 0.0, f"{text}\n{test}: {reason or 'did not run'}\n") for test in failed]
+            remaining = []
     return results
 
 

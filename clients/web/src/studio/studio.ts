@@ -616,8 +616,7 @@ export class Studio {
 
   /** A slider moves: only the newest value is derived. The text follows; it is built anew only for other changes. */
   slide(define: Define, value: number, sliderStep: number, isFinal: boolean): void {
-    const text = this.document.files[define.file];
-    const written = numberText(value, sliderStep);
+    const text = this.document.files[define.file], written = numberText(value, sliderStep);
     // where the number is now: the slider may move again before the page has drawn its last move
     const { from, to } = definesOf(define.file, text).find(({ line }) => line === define.line) ?? define;
     const files = { ...this.document.files, [define.file]: text.slice(0, from) + written + text.slice(to) };
