@@ -147,21 +147,23 @@ class Sweep(unittest.TestCase):
                          runs={"design": "random", "count": min(4000 * kills, 100_000)}, measures={"n": {"count": "F"}}, steps=14)
         draw = random.Random(1)
         command = [program(), "sweep", plan, "-o", self.file("killed.sqlite"), "--quiet", "--workers", "2"]
+        results = self.file("killed.sqlite")
         before = 0
         progresses = 0
-        longest = 0.25  # seconds; a slow machine needs more until the first rows are in the file
-        for _ in range(kills):
+        for kill in range(kills):
+            size = size_of(results)
             started = subprocess.Popen(command, env=variables(), stdin=subprocess.DEVNULL)
-            time.sleep(draw.uniform(0.02, longest))
+            # every second kill comes after rows were written, however slow the machine is
+            while kill % 2 == 1 and size_of(results) <= size and started.poll() is None:
+                time.sleep(0.01)
+            time.sleep(draw.uniform(0.02, 0.25))
             started.send_signal(signal.SIGKILL)
             started.wait()
-            if Path(self.file("killed.sqlite")).exists():
-                table = self.sweep("export", self.file("killed.sqlite"), "--partial", status=0).stdout \
-                    if sqlite_has_tables(self.file("killed.sqlite")) else "\n"
+            if Path(results).exists():
+                table = self.sweep("export", results, "--partial").stdout if sqlite_has_tables(results) else "\n"
                 count = len(table.splitlines()) - 1
                 self.assertGreaterEqual(count, before)
                 progresses += count > before
-                longest = longest if count > before else min(1.3 * longest, 2.0)
                 before = count
         self.assertGreater(progresses, 0)
         self.sweep(plan, "-o", self.file("killed.sqlite"), "--quiet")
@@ -358,6 +360,10 @@ class Sweep(unittest.TestCase):
                            env=variables(SLURM_ARRAY_TASK_ID=str(k)))
         subprocess.run(["bash", self.file("r.slurm-merge.sh")], check=True, capture_output=True)
         self.assertEqual(len(self.rows(self.file("r.sqlite"))), 1)
+
+
+def size_of(file: str) -> int:
+    return Path(file).stat().st_size if Path(file).exists() else 0
 
 
 def sqlite_has_tables(file: str) -> bool:
