@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "engine/core/buffer.h"
-
 namespace espalier::turtle {
 
 namespace {
@@ -66,19 +64,11 @@ int clampedCeil(double value, int low, int high) {
 }  // namespace
 
 RasterTarget::RasterTarget(int width, int firstRow, int rows)
-    : width_(width),
-      firstRow_(firstRow),
-      rows_(rows),
-      stride_(width * kAcross) {
-  const std::size_t samples = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows * kAcross);
-  const auto fill = [samples](auto& list, auto value) {
-    // small pages cost more than the filling
-    list.reserve(samples);
-    core::adviseHugePages(list.data(), samples * sizeof(value));
-    list.assign(samples, value);
-  };
-  fill(nearness_, -std::numeric_limits<float>::infinity());
-  fill(colours_, std::uint32_t{0});
+    : width_(width), firstRow_(firstRow), rows_(rows), isDrawn_(tileNumber(0, tileRows()), 0) {
+  // a tile gets its values when something is drawn there, by the thread that draws: most of a page is often empty
+  const std::size_t samples = tileNumber(0, rows * kAcross) * kTileSamples;
+  nearness_.resize(samples);
+  colours_.resize(samples);
 }
 
 std::array<int, 4> RasterTarget::tilesOf(const RasterTriangle& triangle) const {
@@ -113,9 +103,9 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
   const auto& [first, middle, last] = order;
 
   const int left = tileColumn * kTilePixels * kAcross;
-  const int right = std::min(left + kTilePixels * kAcross, stride_);
+  const int right = std::min(left + kTileSamples, width_ * kAcross);
   const int upper = tileRow * kTilePixels * kAcross;
-  const int lower = std::min(upper + kTilePixels * kAcross, rows_ * kAcross);
+  const int lower = upper + sampleRows(tileRow);
   // a sample belongs to the triangle when its centre does; on an edge it belongs to the right and lower neighbour
   const int begin = clampedCeil(corners.y[first] - 0.5, upper, lower);
   const int end = clampedCeil(corners.y[last] - 0.5, upper, lower);
@@ -191,6 +181,15 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
     return height > 0.0 ? corners.x[from] + (corners.x[to] - corners.x[from]) * ((y - corners.y[from]) / height)
                         : corners.x[from];
   };
+  const std::size_t tileStart = firstSample(tileColumn, tileRow);
+  float* const samplesNearness = nearness_.data() + tileStart;
+  std::uint32_t* const samplesColour = colours_.data() + tileStart;
+  if (std::uint8_t& isDrawn = isDrawn_[tileNumber(tileColumn, tileRow)]; isDrawn == 0) {
+    const std::size_t samples = static_cast<std::size_t>(sampleRows(tileRow)) * kTileSamples;
+    std::fill_n(samplesNearness, samples, -std::numeric_limits<float>::infinity());
+    std::fill_n(samplesColour, samples, 0U);
+    isDrawn = 1;
+  }
   for (int row = begin; row < end; ++row) {
     const double y = row + 0.5;
     double from = crossing(first, last, y);
@@ -200,14 +199,14 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
     }
     const int beginX = clampedCeil(from - 0.5, left, right);
     const int endX = clampedCeil(to - 0.5, left, right);
-    const std::size_t rowStart = static_cast<std::size_t>(row) * static_cast<std::size_t>(stride_);
+    const std::size_t rowStart = static_cast<std::size_t>(row - upper) * kTileSamples;
     const double rowNearness = nearness.atOrigin + nearness.alongY * y;
     for (int x = beginX; x < endX; ++x) {
       const double centre = x + 0.5;
       const auto near =
           static_cast<float>(std::clamp(rowNearness + nearness.alongX * centre, nearness.low, nearness.high));
-      const std::size_t at = rowStart + static_cast<std::size_t>(x);
-      if (near < nearness_[at] || (coverage < 16.0 && !isCovered(x, row))) {
+      const std::size_t at = rowStart + static_cast<std::size_t>(x - left);
+      if (near < samplesNearness[at] || (coverage < 16.0 && !isCovered(x, row))) {
         continue;
       }
       const std::uint32_t colour =
@@ -215,8 +214,8 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
       if (colour == 0) {
         continue;
       }
-      nearness_[at] = near;
-      colours_[at] = colour;
+      samplesNearness[at] = near;
+      samplesColour[at] = colour;
     }
   }
 }
@@ -225,11 +224,16 @@ void RasterTarget::resolve(int row, const Colour& background, bool isTransparent
                            std::span<const float> shades) const {
   constexpr std::uint32_t kSampleCount = kAcross * kAcross;
   const std::array<std::uint32_t, 3> page{background.red, background.green, background.blue};
+  const int tileRow = row / kTilePixels;
   for (int column = 0; column < width_; ++column) {
     std::array<std::uint32_t, 4> sum{};
-    for (int i = 0; i < kAcross; ++i) {
-      const std::size_t at = static_cast<std::size_t>(row * kAcross + i) * static_cast<std::size_t>(stride_) +
-                             static_cast<std::size_t>(column * kAcross);
+    const int tileColumn = column / kTilePixels;
+    const std::size_t first =
+        firstSample(tileColumn, tileRow) +
+        static_cast<std::size_t>((row % kTilePixels) * kAcross * kTileSamples + (column % kTilePixels) * kAcross);
+    const int drawnRows = isDrawn_[tileNumber(tileColumn, tileRow)] != 0 ? kAcross : 0;
+    for (int i = 0; i < drawnRows; ++i) {
+      const std::size_t at = first + static_cast<std::size_t>(i * kTileSamples);
       for (std::size_t j = 0; j < kAcross; ++j) {
         const std::uint32_t colour = colours_[at + j];
         for (unsigned k = 0; k < 4; ++k) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/core/buffer.h"
 #include "engine/turtle/export/palette.h"
 #include "engine/turtle/export/picture/raster_texture.h"
 
@@ -60,12 +61,29 @@ class RasterTarget {
                std::span<const float> shades = {}) const;
 
  private:
+  static constexpr int kTileSamples = kTilePixels * kSamplesAcross;
+
+  [[nodiscard]] std::size_t tileNumber(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(tileColumns()) + static_cast<std::size_t>(column);
+  }
+  /// The rows of samples in the tiles of a row.
+  [[nodiscard]] int sampleRows(int tileRow) const {
+    const int rest = rows_ - tileRow * kTilePixels;
+    return (rest < kTilePixels ? rest : kTilePixels) * kSamplesAcross;
+  }
+  /// Where the samples of a tile begin, row by row, kTileSamples in each.
+  [[nodiscard]] std::size_t firstSample(int column, int row) const {
+    return (static_cast<std::size_t>(row) * static_cast<std::size_t>(tileColumns()) * kTileSamples +
+            static_cast<std::size_t>(column) * static_cast<std::size_t>(sampleRows(row))) *
+           kTileSamples;
+  }
+
   int width_;
   int firstRow_;
   int rows_;
-  int stride_;                          // samples in one row
-  std::vector<float> nearness_;         // (stride, rows * 4)
-  std::vector<std::uint32_t> colours_;  // the same; red in the lowest byte, 255 in the highest where drawn
+  std::vector<std::uint8_t> isDrawn_;    // by tile; the samples of others have no values
+  core::Buffer<float> nearness_;         // by tile
+  core::Buffer<std::uint32_t> colours_;  // the same; red in the lowest byte, 255 in the highest where drawn
 };
 
 }  // namespace espalier::turtle
