@@ -101,16 +101,12 @@ BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& 
       isDecomposition_(isDecomposition),
       isWeighted_(!isDecomposition && system.isStochastic),
       decomposes_(decomposes),
-      isInside_(program.moduleTypeCount(), 0),
       problems_(program.moduleTypeCount(), "") {
   // block 0, of modules that stay: nothing moves
   blocks_.emplace_back();
   blockTypes_.emplace_back();
   for (const Production& production : list.productions) {
     hasLongPredecessors_ = hasLongPredecessors_ || production.predecessor.size() > 1;
-    for (std::size_t i = 1; i < production.predecessor.size(); ++i) {
-      isInside_[production.predecessor[i].type] = 1;
-    }
   }
   bool hasFixed = false;  // or a Cut
   for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
@@ -236,11 +232,6 @@ bool BatchPlan::compile(const language::Program& program, const language::LSyste
   }
   ColumnCompiler columns(program, production);
   rule.statics = columns.locals();
-  // sites of predecessors of several modules may overlap: blocks would run where another predecessor wins
-  if (!rule.statics.empty() && (isInside_[production.predecessor[0].type] != 0 || production.predecessor.size() > 1)) {
-    problem_ = "it has blocks and a predecessor of several modules may begin before it";
-    return false;
-  }
   // the pieces in the order in which they run
   const auto take = [&](std::optional<ColumnCode> code, ColumnCode& target) {
     problem_ = code ? problem_ : columns.problem();
@@ -276,9 +267,8 @@ bool BatchPlan::compile(const language::Program& program, const language::LSyste
       rule.kept.push_back(local);
     }
   }
-  if (isDecomposition_ &&
-      (hasContexts(production) || production.predecessor.size() > 1 || !rule.statics.empty() || rule.drawsRandom)) {
-    problem_ = "a decomposition has contexts, blocks, draws or a predecessor of several modules";
+  if (isDecomposition_ && (hasContexts(production) || production.predecessor.size() > 1 || rule.drawsRandom)) {
+    problem_ = "a decomposition has contexts, draws or a predecessor of several modules";
     return false;
   }
   rule.hasBefore = !production.preBlock.empty();

@@ -209,9 +209,8 @@ class BatchPlan {
   bool hasLongPredecessors_ = false;
   bool hasBlocks_ = false;
   bool hasCuts_ = false;
-  std::vector<std::uint8_t> isInside_;  // by module type: a predecessor has it behind its first module
-  std::vector<const char*> problems_;   // by module type
-  const char* problem_ = "";            // of the last production that compile refused
+  std::vector<const char*> problems_;  // by module type
+  const char* problem_ = "";           // of the last production that compile refused
 };
 
 }  // namespace espalier::derivation

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/derivation/batch/unrolled.h"
 #include "engine/derivation/matching/production_plan.h"
 #include "engine/derivation/state/string_part.h"
 
@@ -71,7 +72,8 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       true_(ColumnEvaluator::kLanes),
       modules_(ColumnEvaluator::kLanes),
       words_(kChunkModules + 8),
-      positions_(kChunkModules) {
+      positions_(kChunkModules),
+      isCovered_(kChunkModules) {
   std::iota(allSites_.begin(), allSites_.end(), 0U);
   for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
     const auto type = static_cast<ModuleTypeId>(i);
@@ -122,6 +124,7 @@ BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t 
   rowsUsed_ = 0;
   ruleLanes_.clear();
   stores_.clear();
+  possibleStores_.clear();
   evaluator_.clearUnusual();
   if (plan_->isFixedOnly()) {
     return countFixed();
@@ -360,8 +363,12 @@ void BatchRewriter::setLanes(const BatchRule& rule, std::size_t begin, std::size
 std::size_t BatchRewriter::findTrue(const ColumnValue& truth, std::size_t count) {
   const double* const values = truth.values;
   std::uint32_t* const lanes = true_.data();
-  // often all are true
-  if (std::find(values, values + count, 0.0) == values + count) {
+  // often all are true; a count takes two lanes at a time, a search for the first zero does not
+  std::uint64_t zeros = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    zeros += values[i] == 0.0 ? 1 : 0;
+  }
+  if (zeros == 0) {
     return count;
   }
   std::size_t found = 0;
@@ -400,9 +407,7 @@ std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t coun
         }
         return;
       }
-      for (std::size_t i = 0; i < trueCount; ++i) {
-        target[i] = source[lanes[i]];
-      }
+      unrolled(trueCount, [=](std::size_t i) { target[i] = source[lanes[i]]; });
     };
     for (std::size_t k = 0; k < rule.kept.size(); ++k) {
       keep(keptLocals + k * kStride + kept, evaluator_.local(rule.kept[k]));
@@ -427,6 +432,15 @@ void BatchRewriter::noteStores(const BatchRule& rule, const ColumnCode& code, st
     while (isStored != nullptr && last > 0 && isStored[last - 1] == 0) {
       --last;
     }
+    if (!isBehind && plan_->hasLongPredecessors()) {
+      // dropOverlapped() knows where an earlier predecessor wins: there the block has not run
+      for (std::size_t i = 0; i < last; ++i) {
+        if (isStored == nullptr || isStored[i] != 0) {
+          possibleStores_.push_back({site[i], rule.statics[local], evaluator_.local(local)[i]});
+        }
+      }
+      continue;
+    }
     if (last > 0) {
       stores_.note(rule.statics[local], 2 * (first_ + siteModule_[site[last - 1]]) + (isBehind ? 1 : 0),
                    evaluator_.local(local)[last - 1]);
@@ -443,9 +457,7 @@ void BatchRewriter::accept(const BatchRule& rule, std::size_t count) {
   const std::uint32_t* const site = laneSite_.data() + laneCount_;
   std::uint32_t* const siteBlock = siteBlock_.data();
   const std::uint32_t block = rule.block;
-  for (std::size_t i = 0; i < count; ++i) {
-    siteBlock[site[i]] = block;
-  }
+  unrolled(count, [=](std::size_t i) { siteBlock[site[i]] = block; });
   if (rule.needsLanes) {
     ruleLanes_.push_back({&rule, laneCount_, count});
     laneCount_ += count;
@@ -472,10 +484,11 @@ void BatchRewriter::dropOverlapped() {
   std::uint64_t next = 0;
   bool areDropped = false;
   for (std::size_t site = 0; site < siteCount_; ++site) {
+    isCovered_[site] = siteModule_[site] < next ? 1 : 0;
     if (siteBlock_[site] == 0) {
       continue;
     }
-    if (siteModule_[site] < next) {
+    if (isCovered_[site] != 0) {
       siteBlock_[site] = 0;
       areDropped = true;
       continue;
@@ -484,6 +497,11 @@ void BatchRewriter::dropOverlapped() {
   }
   for (; end_ - first_ < next; ++end_) {
     endOffset_ += program_->arity[step_.old.types[end_]];
+  }
+  for (const PossibleStore& store : possibleStores_) {
+    if (isCovered_[store.site] == 0) {
+      stores_.note(store.variable, 2 * (first_ + siteModule_[store.site]), store.value);
+    }
   }
   if (!areDropped) {
     return;
@@ -498,6 +516,20 @@ void BatchRewriter::dropOverlapped() {
     }
     lanes.count = kept - lanes.begin;
   }
+}
+
+std::uint64_t BatchRewriter::placeOfResult(std::uint64_t module) const {
+  const auto place = static_cast<std::uint32_t>(module - first_);
+  const std::uint32_t* const begin = siteModule_.data();
+  // the last site at or before the module; behind it the modules have moved as far as its block has grown
+  const auto before = static_cast<std::size_t>(std::upper_bound(begin, begin + siteCount_, place) - begin);
+  if (!isResized_ || before == 0) {
+    return place;
+  }
+  const std::size_t site = before - 1;
+  const std::uint32_t behind = place - siteModule_[site];
+  const auto growth = static_cast<std::uint32_t>(blocks_[siteBlock_[site]].moduleGrowth);
+  return madeModule_[site] + (behind == 0 ? 0 : behind + growth);
 }
 
 void BatchRewriter::place() {

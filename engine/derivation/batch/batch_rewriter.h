@@ -61,6 +61,8 @@ class BatchRewriter {
   /// Writes the last choice: exactly the modules and parameters of its Outcome. False: a value is unusual. The result
   /// is then right if the step only warns, and of no use if it fails.
   [[nodiscard]] bool write(core::ModuleTypeId* types, double* parameters);
+  /// The place in the result of what a module of the last choice has become, counted from the result's first module.
+  [[nodiscard]] std::uint64_t placeOfResult(std::uint64_t module) const;
   /// What blocks have left in local variables since the last choice, as far as write() has run.
   [[nodiscard]] const LastStores& stores() const { return stores_; }
   /// Notes the modules that the last choice leaves as they are; `target` is the module of the new string where its
@@ -73,6 +75,13 @@ class BatchRewriter {
     const BatchRule* rule = nullptr;
     std::size_t begin = 0;
     std::size_t count = 0;
+  };
+
+  /// An assignment in the block before a condition.
+  struct PossibleStore {
+    std::uint32_t site = 0;
+    std::uint32_t variable = 0;  // the static
+    double value = 0.0;
   };
 
   static constexpr std::uint64_t kNoRow = ~std::uint64_t{0};
@@ -197,6 +206,10 @@ class BatchRewriter {
   std::vector<std::uint32_t> chosenRule_;
   std::vector<double> candidateWeights_;
   std::vector<std::uint32_t> candidates_;
+
+  // predecessors of several modules
+  Scratch<std::uint8_t> isCovered_;            // by site: an earlier predecessor has the module
+  std::vector<PossibleStore> possibleStores_;  // of the chunk; those of covered sites do not count
 };
 
 }  // namespace espalier::derivation

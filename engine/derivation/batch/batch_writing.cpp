@@ -4,6 +4,7 @@
 
 #include "engine/core/check.h"
 #include "engine/derivation/batch/batch_rewriter.h"
+#include "engine/derivation/batch/unrolled.h"
 
 namespace espalier::derivation {
 namespace {
@@ -203,7 +204,8 @@ void BatchRewriter::noteKeptFixed(std::uint64_t target, StepChanges& changes) co
 bool BatchRewriter::writeValues(const RuleLanes& lanes, double* parameters) {
   const BatchRule& rule = *lanes.rule;
   const std::uint32_t* const madeOffset = isResized_ ? madeOffset_.data() : siteOffset_.data();
-  std::array<std::uint32_t, ColumnEvaluator::kLanes> offsets;
+  std::array<std::uint32_t, ColumnEvaluator::kLanes> places;
+  std::uint32_t* const offsets = places.data();
   bool isFinite = true;
   for (std::size_t begin = lanes.begin; begin < lanes.begin + lanes.count; begin += ColumnEvaluator::kLanes) {
     const std::size_t count = std::min(ColumnEvaluator::kLanes, lanes.begin + lanes.count - begin);
@@ -214,9 +216,7 @@ bool BatchRewriter::writeValues(const RuleLanes& lanes, double* parameters) {
       noteStores(rule, rule.behind, begin, count, true);
     }
     const std::uint32_t* const site = laneSite_.data() + begin;
-    for (std::size_t i = 0; i < count; ++i) {
-      offsets[i] = madeOffset[site[i]];
-    }
+    unrolled(count, [=](std::size_t i) { offsets[i] = madeOffset[site[i]]; });
     for (std::size_t k = 0; k < rule.values.size(); ++k) {
       const ColumnValue column = evaluator_.value(rule.values[k]);
       double* const target = parameters + k;
@@ -224,18 +224,15 @@ bool BatchRewriter::writeValues(const RuleLanes& lanes, double* parameters) {
         const double value =
             step_.storesFloats ? static_cast<double>(static_cast<float>(column.constant)) : column.constant;
         isFinite = isFinite && (step_.storesFloats || value - value == 0.0);
-        for (std::size_t i = 0; i < count; ++i) {
-          target[offsets[i]] = value;
-        }
+        unrolled(count, [=](std::size_t i) { target[offsets[i]] = value; });
       } else if (step_.storesFloats) {
         for (std::size_t i = 0; i < count; ++i) {
           target[offsets[i]] = static_cast<double>(static_cast<float>(column.values[i]));
         }
       } else {
         isFinite = areFinite(column.values, count) && isFinite;
-        for (std::size_t i = 0; i < count; ++i) {
-          target[offsets[i]] = column.values[i];
-        }
+        const double* const values = column.values;
+        unrolled(count, [=](std::size_t i) { target[offsets[i]] = values[i]; });
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "engine/derivation/batch/unrolled.h"
 #include "engine/derivation/expressions/array_element.h"
 #include "engine/derivation/expressions/distributions.h"
 #include "engine/derivation/expressions/view_functions.h"
@@ -80,18 +81,14 @@ const double* ColumnEvaluator::slot(std::uint32_t index) {
   const SlotSource source = lanes_.slots[index];
   const auto gather = [&](const double* base, const auto* offsets) {
     base += source.position;
-    for (std::size_t i = 0; i < lanes_.count; ++i) {
-      column[i] = base[offsets[i]];
-    }
+    unrolled(lanes_.count, [=](std::size_t i) { column[i] = base[offsets[i]]; });
   };
   switch (source.kind) {
     case SlotSource::Kind::Own: {
       const double* const own = lanes_.ownParameters + source.position;
       const std::uint32_t* const sites = lanes_.sites;
       const std::uint32_t* const offsets = lanes_.siteOffsets;
-      for (std::size_t i = 0; i < lanes_.count; ++i) {
-        column[i] = own[offsets[sites[i]]];
-      }
+      unrolled(lanes_.count, [=](std::size_t i) { column[i] = own[offsets[sites[i]]]; });
       break;
     }
     case SlotSource::Kind::Left:
@@ -103,9 +100,8 @@ const double* ColumnEvaluator::slot(std::uint32_t index) {
     case SlotSource::Kind::Searched: {
       const double* const parameters = lanes_.parameters + source.position;
       const std::uint64_t* const rows = lanes_.rows + source.element;
-      for (std::size_t i = 0; i < lanes_.count; ++i) {
-        column[i] = parameters[rows[lanes_.left[i]]];
-      }
+      const std::uint64_t* const left = lanes_.left;
+      unrolled(lanes_.count, [=](std::size_t i) { column[i] = parameters[rows[left[i]]]; });
       break;
     }
   }

@@ -8,8 +8,10 @@ namespace {
 // shorter strings are not worth the setting up of batches; contexts are, sooner
 constexpr std::uint64_t kBatchedModules = 256;
 constexpr std::uint64_t kBatchedModulesWithContexts = 48;
-// without contexts, making a BatchRewriter costs as much as scanning some hundred modules one at a time
+// making a BatchRewriter costs as much as scanning some hundred modules one at a time
 constexpr std::uint64_t kFirstModules = 1024;
+// with contexts or code, a batch costs as much as six modules one at a time, and less for each further one
+constexpr std::uint64_t kBatchedModulesLater = 16;
 // a batch shorter than this, before a module that needs the general way, is not worth its setting up
 constexpr std::uint64_t kWorthwhileModules = 256;
 // the longest stretch that is left to the PlainScan before batches are tried again
@@ -34,10 +36,10 @@ BatchRewriter::Step batchStep(const ScanContext& context) {
 bool BatchScan::isWorthwhile(const ModuleString& old) const {
   const SystemTables& tables = context_->tables.front();
   // code of the ModuleRewriter and the Evaluator costs so much that batches gain sooner
-  const bool isLongEnough =
-      context_->program.hasContexts || !tables.batches.isCheap()
-          ? old.size() >= kBatchedModulesWithContexts
-          : old.size() >= kBatchedModules && context_->scannedModules + old.size() >= kFirstModules;
+  const bool isLater = context_->scannedModules + old.size() >= kFirstModules;
+  const bool isLongEnough = context_->program.hasContexts || !tables.batches.isCheap()
+                                ? old.size() >= (isLater ? kBatchedModulesLater : kBatchedModulesWithContexts)
+                                : old.size() >= kBatchedModules && isLater;
   return isLongEnough && tables.batches.isUseful() && !context_->drawsEachPosition(*tables.system);
 }
 
@@ -111,6 +113,9 @@ void BatchScan::run(std::uint64_t end, ScanPlace& place) {
         batch_->noteKept(target, *context.changes);
       }
       batch_->stores().apply(context.plant->statics);
+      if (decomposition_ != nullptr) {
+        decomposition_->stores().apply(context.plant->statics);
+      }
       place = {outcome.endModule, outcome.endParameter};
     } else {
       // a failure or a warning, in the order of the string

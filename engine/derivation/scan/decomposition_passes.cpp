@@ -1,6 +1,7 @@
 #include "engine/derivation/scan/decomposition_passes.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/derivation/scan/batch_scan.h"
 
@@ -13,6 +14,7 @@ DecompositionPasses::DecompositionPasses(ScanContext& context)
              context.tables.front().plan) {}
 
 bool DecompositionPasses::run(ModuleString& made) {
+  stores_.clear();
   bool isChanged = true;
   for (std::uint32_t depth = 0; isChanged && depth < list_->maximumDepth; ++depth) {
     if (!pass(made, isChanged)) {
@@ -23,6 +25,7 @@ bool DecompositionPasses::run(ModuleString& made) {
         return false;
       }
       made.swap(next_);
+      std::swap(stores_, moved_);
     }
   }
   // the Rewriter warns once where more productions would apply
@@ -52,6 +55,7 @@ bool DecompositionPasses::pass(const ModuleString& made, bool& isChanged) {
   begin(made);
   isChanged = false;
   next_.clear();
+  moved_.clear();
   std::uint64_t offset = 0;
   for (std::uint64_t first = 0; first < made.size();) {
     const BatchRewriter::Outcome outcome =
@@ -67,6 +71,10 @@ bool DecompositionPasses::pass(const ModuleString& made, bool& isChanged) {
     if (!batch_.write(next_.typeBuffer().data() + modules, next_.parameterBuffer().data() + parameters)) {
       return false;
     }
+    // depth first, what a module becomes comes behind it and before the next module: so do the places in a level
+    stores_.noteAll(batch_.stores());
+    stores_.moveTo(
+        first, outcome.endModule, [&](std::uint64_t module) { return modules + batch_.placeOfResult(module); }, moved_);
     isChanged = isChanged || outcome.isChanged;
     first = outcome.endModule;
     offset = outcome.endParameter;

@@ -18,6 +18,8 @@ class DecompositionPasses {
 
   /// Decomposes `made`. False: something warns, fails or exceeds a limit, and `made` is of no use.
   [[nodiscard]] bool run(ModuleString& made);
+  /// What blocks have left in local variables in the last run.
+  [[nodiscard]] const LastStores& stores() const { return stores_; }
 
  private:
   /// One pass from `made` to next_. `isChanged`: a production applies.
@@ -28,6 +30,8 @@ class DecompositionPasses {
   const language::ProductionList* list_;  // in the Program
   BatchRewriter batch_;
   ModuleString next_;
+  LastStores stores_;  // of all passes; the places are those of the present level
+  LastStores moved_;   // the same at the places of the next level
 };
 
 }  // namespace espalier::derivation

@@ -310,6 +310,7 @@ class ModelMaker {
     mayDraw_ = false;
     std::string text = formal(names);
     text += hasBlocks_ && chance(25) ? " : " + block(names, false) + " " + condition(names) : " : " + condition(names);
+    text += hasBlocks_ && chance(25) ? " " + block(names, true) : "";
     return text + " --> " + modules(number(1, 2), names, 0) + "\n";
   }
 

@@ -353,6 +353,35 @@ TEST(Scan, WhatIsCutNeitherWarnsNorRunsBlocks) {
   EXPECT_EQ(model.state().statics.at(0), 4.0);
 }
 
+TEST(Scan, BlocksDoNotRunWhereAnEarlierPredecessorWins) {
+  // A takes the B(2) behind it, whose block would divide by 0; the blocks of A and B(1) run, also where nothing applies
+  std::string axiom;
+  for (int i = 0; i < 1500; ++i) {
+    axiom += i % 3 == 0 ? "B(1)C" : "AB(2)";
+  }
+  DerivedModel model(modelText("", axiom,
+                               "A B(x) : {u=x+1;} x>1 {v=u;} --> B(x)A\n"
+                               "B(x) : {w=1/(x-2);} w>0 --> B(x+1)\n"));
+  model.steps(1);
+  EXPECT_TRUE(model.warnings().empty());
+  EXPECT_EQ(model.text().substr(0, 20), "B(1)CB(2)AB(2)AB(1)C");
+  EXPECT_EQ(model.state().statics, (std::vector<double>{3.0, 3.0, -1.0}));
+}
+
+TEST(Scan, OfBlocksInADecompositionTheLastDepthFirstStays) {
+  // the first B is decomposed to depth 4, the last to depth 1: `u` is of the last, `v` of the C that the first has made
+  std::string axiom = "A(4)";
+  for (int i = 0; i < 600; ++i) {
+    axiom += "F";
+  }
+  DerivedModel model(modelText("", axiom + "A(1)A(0)",
+                               "A(n) : n<9 --> B(n)F\ndecomposition\nmaximum depth: 9\n"
+                               "B(n) : {w=n*2;} n>0 {u=n+0.5;} --> B(n-1)C(n)\nC(n) : n>1 {v=n;} --> D\n"));
+  model.steps(1);
+  EXPECT_EQ(model.text().substr(0, 12), "B(0)C(1)DDDF");
+  EXPECT_EQ(model.state().statics, (std::vector<double>{0.0, 1.5, 4.0}));
+}
+
 TEST(Scan, LongWaysOverBranchesEndAtTheSameNeighbour) {
   // 1,500 branches at a node, some with branches of their own, between them ignored symbols or one that counts
   std::string fan = "J(1)";
