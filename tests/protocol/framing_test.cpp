@@ -168,6 +168,9 @@ TEST(MessageReader, AMessageWithWrongBlocksIsRefusedAndTheNextOneRead) {
             "bin[1].offset: the block ends beyond binBytes=16");
   EXPECT_EQ(problem(block(R"("name":"b","dtype":"<u4","shape":[3],"offset":0,"bytes":12)")),
             "bin[1].offset: 'b' overlaps 'a'");
+  EXPECT_EQ(problem(R"("binBytes":16,"bin":[{"name":"a","dtype":"<u4","shape":[3],"offset":0,"bytes":12},)"
+                    R"({"name":"b","dtype":"<u4","shape":[1],"offset":8,"bytes":4}])"),
+            "bin[1].offset: 'b' overlaps 'a'");
   EXPECT_EQ(problem(block(R"("name":"b","dtype":"<u4","shape":[1,1,1,1],"offset":8,"bytes":4)")),
             "bin[1].shape: expected at most 3 dimensions");
   EXPECT_EQ(problem(block(R"("name":"","dtype":"<u4","shape":[1],"offset":8,"bytes":4)")),

@@ -141,6 +141,21 @@ TEST(Compiler, FoldingOrFollowsTheMode) {
   EXPECT_EQ(valueOf(Compatibility::Cpfg), 6.0);
 }
 
+TEST(Compiler, AFileThatIsWrittenAndReadIsBoth) {
+  core::MemoryFileProvider files;
+  files.add("m.l",
+            "Lsystem: 1\nStart: {f = fopen(\"log\", \"w\"); f = fopen(\"log\", \"r\"); "
+            "g = fopen(\"data\", \"r\"); g = fopen(\"data\", \"w\");}\nAxiom: A\nA --> A\nendlsystem\n");
+  CompileInput input;
+  input.modelFile = "m.l";
+  const auto program = compile(input, files).program;
+  ASSERT_NE(program, nullptr);
+  ASSERT_EQ(program->files.size(), 2U);
+  for (const auto& file : program->files) {
+    EXPECT_TRUE(file.isRead && file.isWritten) << file.name;
+  }
+}
+
 TEST(Compiler, ReadsTheFilesThatTheModelWillRead) {
   core::MemoryFileProvider files({{"folder/m.l",
                                    "Lsystem: 1\nStart: {f = fopen(\"data.txt\", \"r\"); g = fopen(\"./data.txt\", "

@@ -34,6 +34,7 @@ TEST(QueryBatches, SelectionAndMergeLoseNothing) {
   EXPECT_EQ(part.following, (std::vector<core::SymbolId>{8, 5}));
   EXPECT_EQ(part.followingPair, (std::vector<char>{0, '@'}));
   EXPECT_EQ(part.followingParameters, (std::vector<double>{40, 10}));
+  EXPECT_EQ(part.followingOffset, (std::vector<std::uint64_t>{0, 1, 2}));
   ReplyBatch partReplies;
   partReplies.prepare(part);
   partReplies.set(part, 0, 1, -9);

@@ -67,6 +67,10 @@ TEST(Preprocessor, ACommentOverLinesKeepsItsNewlines) {
   EXPECT_EQ(textOf("A/* 1\n2 */B\n"), "A \nB\n");
 }
 
+TEST(Preprocessor, NoDirectiveBeginsBehindACommentOfAnEarlierLine) {
+  EXPECT_EQ(textOf("/* 1\n*/#define n 3\nn\n"), " \n#define n 3\nn\n");
+}
+
 TEST(Preprocessor, CommentsAndMacrosInsideStringsStay) {
   EXPECT_EQ(textOf("#define n 3\nprintf(\"// n /* %g\\\" n\",n)\n"), "printf(\"// n /* %g\\\" n\",3)\n");
 }
