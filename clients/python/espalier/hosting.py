@@ -29,6 +29,7 @@ from .version import VERSION
 PROTOCOL = 1
 # numbers of the protocol's own errors that an environment sends
 VERSION_UNKNOWN = 1001
+LIMIT = 1004
 ENVIRONMENT_FAILED = 1006
 NON_FINITE = 1008
 NOT_FOUND = 1011
@@ -39,6 +40,7 @@ CLIENT_ROLES = ("controller", "viewer")
 
 CONNECT_SECONDS = 10.0
 SERVERS = 500  # that a listening environment answers at a time
+SIMULATIONS = 10_000  # open at a time on one connection
 RECONNECT_SECONDS = 1.0
 
 
@@ -139,6 +141,10 @@ class Host:
         # opened again in the middle of a run after a lost connection: an existing object continues
         if parameters.get("resume") is not None and opening.simulation in self._simulations:
             return {}
+        if opening.simulation not in self._simulations and len(self._simulations) >= SIMULATIONS:
+            raise wire.Refusal(LIMIT, f"simulations is limited to {SIMULATIONS}, this is one more. Close simulations of this "
+                               "connection, or connect again for more.",
+                               {"limit": "simulations", "value": SIMULATIONS + 1, "bound": SIMULATIONS})
         simulation = _Simulation(self._given or self._run("__init__()", self._class))
         simulation.environment.opening = opening
         self._run("opened()", simulation.environment.opened)

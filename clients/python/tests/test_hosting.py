@@ -225,6 +225,18 @@ class Requests(unittest.TestCase):
     def test_a_notification_is_not_answered(self) -> None:
         self.assertIsNone(hosting.Host(Doubler).handle(wire.notification("environment.describe", {})))
 
+    def test_a_connection_has_so_many_simulations_and_no_more(self) -> None:
+        host = hosting.Host(Doubler())
+        with mock.patch.object(hosting, "SIMULATIONS", 3):
+            for k in range(3):
+                self.assertEqual(self.ask(host, "environment.open", simulation=f"sim-{k}"), {})
+            error = self.ask(host, "environment.open", simulation="sim-3")
+            self.assertEqual((error["code"], error["data"]["limit"]), (hosting.LIMIT, "simulations"))
+            # those that are there may be opened again, and a closed one makes room
+            self.assertEqual(self.ask(host, "environment.open", simulation="sim-0"), {})
+            self.ask(host, "environment.close", simulation="sim-1")
+            self.assertEqual(self.ask(host, "environment.open", simulation="sim-3"), {})
+
     def test_greets_whoever_connects(self) -> None:
         host = hosting.Host(Doubler)
         self.assertEqual(self.ask(host, "hello", protocol=[1, 2])["protocol"], 1)

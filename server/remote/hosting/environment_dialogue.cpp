@@ -160,6 +160,10 @@ protocol::Expected<EnvironmentDialogue::Opened*> EnvironmentDialogue::openedFor(
 protocol::Expected<EnvironmentDialogue::Opened*> EnvironmentDialogue::openAnew(
     const turtle::EnvironmentContext& context) {
   opened_.erase(context.simulation);
+  if (opened_.size() >= kMostSimulations) {
+    return tl::unexpected(protocol::limitError("simulations", opened_.size() + 1, kMostSimulations,
+                                               "Close simulations of this connection, or connect again for more."));
+  }
   Opened opened;
   opened.process = (*factory_)();
   const turtle::EnvironmentDescription description = opened.process->describe();

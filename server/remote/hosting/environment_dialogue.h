@@ -17,6 +17,9 @@ namespace espalier::server {
 /// advancing a process that has state.
 class EnvironmentDialogue {
  public:
+  /// Open at a time on one connection.
+  static constexpr std::size_t kMostSimulations = 10'000;
+
   /// `factory` must outlive the object.
   EnvironmentDialogue(const ProcessFactory& factory, const protocol::FrameLimits& limits)
       : factory_(&factory), limits_(limits) {}

@@ -246,6 +246,22 @@ TEST(EnvironmentDialogue, AMinimalControllerNeedsNeitherHelloNorOpen) {
       R"({"replies":[{"id":0,"parameters":[2.5]}]})");
 }
 
+TEST(EnvironmentDialogue, AConnectionHasSoManySimulationsAndNoMore) {
+  const ProcessFactory factory = [] { return builtIn("constant", R"({"values":[1]})"); };
+  EnvironmentDialogue dialogue(factory, {});
+  const auto about = [&dialogue](const std::string& method, std::size_t simulation) {
+    return ask(dialogue, method, R"({"simulation":"sim-)" + std::to_string(simulation) + R"("})");
+  };
+  for (std::size_t i = 0; i < EnvironmentDialogue::kMostSimulations; ++i) {
+    ASSERT_NE(about("environment.open", i).find("result"), std::string::npos) << i;
+  }
+  EXPECT_NE(about("environment.open", 10'000).find(R"("code":1004)"), std::string::npos);
+  // those that are there may be opened again, and a closed one makes room
+  EXPECT_NE(about("environment.open", 7).find("result"), std::string::npos);
+  EXPECT_NE(about("environment.close", 8).find("result"), std::string::npos);
+  EXPECT_NE(about("environment.open", 10'000).find("result"), std::string::npos);
+}
+
 TEST(EnvironmentDialogue, EveryProcessIsOpenedForAControllerThatDoesNotOpenIt) {
   for (const std::string& name : environment::processNames()) {
     SCOPED_TRACE(name);
