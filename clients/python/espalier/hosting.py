@@ -435,14 +435,19 @@ def offer(host: Host, name: str, address: str, token: Optional[str] = None) -> N
         channel.close()
 
 
-def listen(environment: Type[EnvironmentProcess], address: str) -> None:
-    """Answers every server that connects, each with simulations of its own. Ends only by an interrupt."""
+def listen(environment: Type[EnvironmentProcess], address: str, insecure: bool = False) -> None:
+    """Answers every server that connects, each with simulations of its own. Ends only by an interrupt. `insecure`: the address may be
+    reached from other machines, which need no token."""
     host, port = wire.parse_address(address)
     try:
         listener = socket.create_server((host, port))
     except OSError as error:
         raise EspalierError(f"Cannot listen on {address} ({error.strerror or error}). "
                             "Give another port, or 0 for a free one.") from None
+    if not insecure and not is_loopback(listener.getsockname()[0]):
+        listener.close()
+        raise EspalierError(f"'{host}' can be reached from other machines, and an environment does not ask for a token: "
+                            "add --insecure if that is acceptable, or listen on 127.0.0.1.")
     admission = Admission(trusted=SERVERS)
     with listener:
         print(f"listening on {host}:{listener.getsockname()[1]}", flush=True)
@@ -489,6 +494,7 @@ def main(environment: Type[EnvironmentProcess], arguments: Sequence[str]) -> int
     way.add_argument("--offer", metavar="ADDRESS",
                      help="connect to a server and offer the environment: HOST:PORT, tls://, unix:PATH, ws:// or wss://")
     way.add_argument("--listen", metavar="HOST:PORT", help="wait for servers; port 0 takes a free port")
+    parser.add_argument("--insecure", action="store_true", help="with --listen: other machines may connect, without a token")
     parser.add_argument("--name", default=environment.name(), help="name of the offered environment (default: %(default)s)")
     parser.add_argument("--token", default=None, help="token of the server, if the server needs one")
     parser.add_argument("--token-file", metavar="FILE", default=None,
@@ -505,7 +511,7 @@ def main(environment: Type[EnvironmentProcess], arguments: Sequence[str]) -> int
         if options.describe:
             print(json.dumps(environment.description()))
         elif options.listen is not None:
-            listen(environment, options.listen)
+            listen(environment, options.listen, options.insecure)
         elif options.offer is not None:
             _offer_again(Host(environment), options)
         else:

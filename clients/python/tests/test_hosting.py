@@ -442,6 +442,17 @@ class Programs(unittest.TestCase):
             finally:
                 process.terminate()
 
+    def test_an_address_that_other_machines_reach_is_refused_unless_allowed(self) -> None:
+        done = subprocess.run([*self.command, "--listen", "0.0.0.0:0"], capture_output=True, env=self.variables, text=True, timeout=60)
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn("'0.0.0.0' can be reached from other machines", done.stderr)
+        self.assertIn("--insecure", done.stderr)
+        with subprocess.Popen([*self.command, "--listen", "0.0.0.0:0", "--insecure"], stdout=subprocess.PIPE,
+                              stderr=subprocess.DEVNULL, env=self.variables, text=True) as process:
+            assert process.stdout is not None
+            self.assertIn("listening on 0.0.0.0:", process.stdout.readline())
+            process.terminate()
+
     def test_silent_connections_keep_no_server_out(self) -> None:
         def bound() -> None:
             resource.setrlimit(resource.RLIMIT_NOFILE, (40, 40))
