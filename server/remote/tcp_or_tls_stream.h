@@ -85,7 +85,7 @@ class TcpOrTlsStream {
             few[count] = Buffer(*at);
             count += few[count].size() > 0 ? 1 : 0;
           }
-          begin(few, erased<void(error_code, std::size_t)>(std::move(handler)));
+          begin(few, this->erased<void(error_code, std::size_t)>(std::move(handler)));
         },
         token, buffers);
   }

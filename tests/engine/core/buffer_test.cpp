@@ -121,6 +121,15 @@ TEST(Buffer, SharingCopiesOnlyWhenOneIsWritten) {
   EXPECT_TRUE(leaves([](Buffer<int>& other) { other.release(); }));
 }
 
+TEST(Buffer, OfTwoThatShareTheOneThatIsWrittenLeaves) {
+  Buffer<int> a;
+  a.append(std::array<int, 3>{1, 2, 3});
+  const Buffer<int> b = a.share();
+  a[0] = 9;
+  EXPECT_EQ(b.view()[0], 1);
+  EXPECT_NE(std::as_const(a).data(), b.data());
+}
+
 TEST(Buffer, TheLastThatSharesKeepsTheMemory) {
   for (const std::size_t count : {std::size_t{100}, std::size_t{500'000}}) {
     Buffer<double> a;

@@ -26,6 +26,7 @@ TEST(Wind, TheLogarithmicProfileGrowsByTheLogarithmOfTheHeight) {
   EXPECT_NEAR(speedAt(log, 10), 3.0, 1e-15);
   EXPECT_NEAR(speedAt(log, 2 + 0.5 * std::exp(1.0)), 3.0 / std::log(16.0), 1e-15);
   EXPECT_EQ(speedAt(log, 2.5), 0.0);
+  EXPECT_EQ(speedAt(log, 2.2), 0.0);  // between d and d + z0 the logarithm is negative
   EXPECT_EQ(speedAt(log, -1), 0.0);
 }
 

@@ -58,6 +58,18 @@ TEST(Access, ATokenGrantsTheRolesThatItHas) {
   }
 }
 
+TEST(Access, ATokenWhoseHashBeginsAlikeGrantsNothing) {
+  const Access access({tokenOf("alice", "a", {Role::Controller})});
+  int alike = 0;
+  for (int i = 0; alike < 3; ++i) {
+    const std::string other = "other " + std::to_string(i);
+    if (hashOfToken(other)[0] == hashOfToken("a")[0]) {
+      ++alike;
+      EXPECT_FALSE(access.grant(other, {}).has_value()) << other;
+    }
+  }
+}
+
 TEST(Access, AnExpiredTokenGrantsNothingAndEndsWhatItGranted) {
   EXPECT_EQ(Access({tokenUntil("old", "o", {Role::Viewer}, kPast)}).grant("o", {}).error().substr(0, 28),
             "The token 'old' expired at 2");

@@ -160,6 +160,25 @@ TEST(Scan, AgreesWithTheGeneralWayInRings) {
   EXPECT_GT(compareWithRecordedSteps(0, 300, core::Compatibility::Espalier, "Ring Lsystem\n"), 600U);
 }
 
+TEST(Scan, AConditionBelowZeroHolds) {
+  // short strings are scanned one at a time
+  DerivedModel model(modelText("", "A(1)A(2)A(3)", "A(x) : x-2 --> B(x)\n"));
+  model.steps(1);
+  EXPECT_EQ(model.text(), "B(1)A(2)B(3)");
+}
+
+TEST(Scan, ZeroWithAnotherSignIsAChange) {
+  DerivedModel model(modelText("", "B(1)A(0)B(2)", "A(x) --> A(-x)\n"));
+  derivation::ProductionCounts counts;
+  derivation::StepChanges changes;
+  model.derivation().derive(model.state(), &changes, &counts);
+  std::uint64_t kept = 0;
+  for (const derivation::KeptModules& run : changes.kept()) {
+    kept += run.modules;
+  }
+  EXPECT_EQ(kept, 2U);
+}
+
 TEST(Scan, AStepThatCountsProductionsMakesTheSameString) {
   std::uint64_t applied = 0;
   std::size_t kept = 0;
