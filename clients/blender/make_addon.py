@@ -6,16 +6,18 @@ import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-FOLDERS = (HERE / "espalier_blender", HERE.parent / "python" / "espalier")  # the add-on, and the package that it connects with
+# the add-on, and inside of it the package that it connects with: Blender takes each folder at the top for an add-on
+FOLDERS = ((HERE / "espalier_blender", Path("espalier_blender")),
+           (HERE.parent / "python" / "espalier", Path("espalier_blender", "packages", "espalier")))
 
 
 def make(target: Path) -> None:
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for folder in FOLDERS:
+        for folder, place in FOLDERS:
             for file in sorted(folder.rglob("*")):
                 if file.is_file() and "__pycache__" not in file.parts:
                     # one date for all, so that equal files make an equal archive
-                    entry = zipfile.ZipInfo(str(Path(folder.name) / file.relative_to(folder)), (1980, 1, 1, 0, 0, 0))
+                    entry = zipfile.ZipInfo(str(place / file.relative_to(folder)), (1980, 1, 1, 0, 0, 0))
                     entry.compress_type = zipfile.ZIP_DEFLATED
                     archive.writestr(entry, file.read_bytes())
 

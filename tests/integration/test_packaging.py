@@ -256,7 +256,9 @@ class Archives(unittest.TestCase):
         with zipfile.ZipFile(self.folder / "espalier-blender.zip") as archive:
             names = archive.namelist()
             self.assertIn("bl_info", archive.read("espalier_blender/__init__.py").decode())
-            self.assertIn("espalier/__init__.py", names)
+            self.assertIn("espalier_blender/packages/espalier/__init__.py", names)
+            # Blender takes each folder at the top for an add-on, and complains of those that are none
+            self.assertEqual({name.split("/")[0] for name in names}, {"espalier_blender"})
             self.assertEqual([name for name in names if "__pycache__" in name], [])
             for name in names:
                 if name.endswith(".py"):

@@ -1,13 +1,14 @@
 """The R page: its script as it is, against the real server; the R package as people get it."""
 
 import os
+import re
 import shutil
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
-from support import GALLERY, REPOSITORY, SECONDS, program
+from support import EXAMPLES, GALLERY, REPOSITORY, SECONDS, program, python, stdio, strings
 
 from espalier import Server
 
@@ -35,6 +36,23 @@ class REnvironment(unittest.TestCase):
         server.stop()
         self.assertEqual(script.communicate(timeout=SECONDS)[0], "")
         self.assertEqual(script.returncode, 0)
+
+    def test_the_program_of_the_page_is_a_ceiling(self) -> None:
+        page = (REPOSITORY / "docs" / "howto" / "own-environment-r.md").read_text(encoding="utf-8")
+        text, = re.findall(r"```r\nlibrary\(espalier\)\n(.*?)```", page, re.DOTALL)
+        server = Server(program(), arguments=["--gallery", str(GALLERY), "--log-level", "off"])
+        self.addCleanup(server.stop)
+        source = f'source("{REPOSITORY}/clients/r/R/espalier.R")\n' + text.replace("127.0.0.1:4321", server.address)
+        script = subprocess.Popen(["Rscript", "-e", source], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        assert script.stderr is not None
+        self.assertEqual(script.stderr.readline().strip(), "ceiling is offered")
+        with server.connect(timeout=60) as client:
+            tree = client.create(gallery="light-tree", environment=[{"type": "offered", "name": "ceiling"}], seed=7)
+            tree.run()
+            same = strings("light-tree", "--seed", "7", "--environment", stdio(python(EXAMPLES / "ceiling.py")))
+            self.assertEqual(tree.string(), same[-1])
+        server.stop()
+        script.communicate(timeout=SECONDS)
 
     @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes half a minute: ./dev test --all long")
     def test_long_the_package_is_checked_installed_and_used(self) -> None:

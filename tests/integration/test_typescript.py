@@ -69,15 +69,16 @@ class TypeScript(unittest.TestCase):
             folder = Path(name)
             (folder / "node_modules").mkdir()
             (folder / "node_modules" / "espalier").symlink_to(CLIENT)
-            (folder / "package.json").write_text('{"type": "module"}', encoding="utf-8")
-            (folder / "ceiling.ts").write_text(source, encoding="utf-8")
+            # as `npm init -y` writes it: a reader's folder need not be one of modules
+            (folder / "package.json").write_text('{"type": "commonjs"}', encoding="utf-8")
+            (folder / "ceiling.mts").write_text(source, encoding="utf-8")
             # and that of the README, whose types are checked
             source, = re.findall(r"```ts\n(import .*?)```", (CLIENT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
-            (folder / "readme.ts").write_text(source, encoding="utf-8")
+            (folder / "readme.mts").write_text(source, encoding="utf-8")
             built = node(str(COMPILER), "--module", "nodenext", "--target", "es2022", "--strict", "--typeRoots",
-                         str(WEB / "node_modules" / "@types"), "--types", "node", "ceiling.ts", "readme.ts", folder=folder)
+                         str(WEB / "node_modules" / "@types"), "--types", "node", "ceiling.mts", "readme.mts", folder=folder)
             self.assertEqual((built.returncode, built.stdout), (0, ""), built.stdout)
-            environment = stdio(["node", str(folder / "ceiling.js")])
+            environment = stdio(["node", str(folder / "ceiling.mjs")])
             grown, same = (strings("light-tree", "--seed", "7", "--environment", given) for given in
                            (environment, stdio(python(EXAMPLES / "ceiling.py"))))
             self.assertEqual(grown, same)

@@ -1,6 +1,7 @@
 """Espalier in Blender: import of plants and of their growth, and a live link to a running simulation."""
 
 import re
+import sys
 from pathlib import Path
 from typing import Any, List, Set
 
@@ -8,9 +9,11 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ImportHelper
-from espalier import glb
 
-from . import link, scene
+sys.path.insert(0, str(Path(__file__).with_name("packages")))  # the archive brings the Python package espalier of its own version
+from espalier import glb  # noqa: E402
+
+from . import link, scene  # noqa: E402
 
 bl_info = {"name": "Espalier", "author": "The Espalier authors", "version": (0, 1, 0), "blender": (3, 4, 0), "category": "Import-Export",
            "location": "File > Import > Espalier; sidebar of the 3D view", "description": "Plants that grow: import, animation, live link"}
