@@ -231,6 +231,8 @@ class Conversion(unittest.TestCase):
                 text = espalier("convert", chapter(model), "--to", "cpfg", "--quiet").stdout
                 self.assertTrue(text.startswith("Lsystem: 1\n"))
                 Path(folder, "m.l").write_text(text, encoding="utf-8")
+                # no turn is written that the model does not have: its production would never match
+                self.assertNotRegex(espalier("check", f"{folder}/m.l").stderr, r"'[-+&^/\\]' never matches")
                 espalier("run", f"{folder}/m.l", "--quiet", "-o", f"{folder}/a.obj")
                 espalier("run", chapter(model), "--quiet", "-o", f"{folder}/b.obj")
                 points = [sorted(tuple(round(float(number), 6) for number in line.split()[1:4])

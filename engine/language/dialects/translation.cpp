@@ -1,6 +1,8 @@
 #include "engine/language/dialects/translation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -34,6 +36,21 @@ void addLine(MappedText& text, const MappedText& line) {
   // a backslash at the end of a line would join the next one
   const bool isJoining = std::string_view(line.text()).ends_with('\\');
   text.make(isJoining ? " \n" : "\n", line.runs().empty() ? 0 : line.runs().back().foreignOffset);
+}
+
+// whether modules have the turn without a parameter; the arrow of productions and operators in parentheses are no turns
+bool hasTurn(std::string_view text, char turn) {
+  int depth = 0;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text.substr(at).starts_with("-->")) {
+      at += 2;
+    } else if (text[at] == '(' || text[at] == ')') {
+      depth += text[at] == '(' ? 1 : -1;
+    } else if (depth == 0 && text[at] == turn && (at + 1 == text.size() || text[at + 1] != '(')) {
+      return true;
+    }
+  }
+  return false;
 }
 
 // modules that bring the turtle to its start
@@ -135,9 +152,18 @@ MappedText modelText(const CpfgModel& model, bool isAlone) {
       addLine(text, production);
     }
   }
-  const bool writesTurns = isAlone && model.turnsByAngle;
+  // only the turns that can occur: the others would be productions that never match
+  std::string turns;
+  if (isAlone && model.turnsByAngle) {
+    std::string modules = text.text();
+    for (const MappedText& production : model.drawing) {
+      modules += production.text() + '\n';
+    }
+    std::copy_if(kTurns.begin(), kTurns.end(), std::back_inserter(turns),
+                 [&modules](char turn) { return hasTurn(modules, turn); });
+  }
   const bool writesOwn = !isAlone && !model.ownDrawing.empty();
-  if (!model.drawing.empty() || writesOwn || writesTurns) {
+  if (!model.drawing.empty() || writesOwn || !turns.empty()) {
     text.make("homomorphism no warnings\n", 0);
     if (model.drawingDepth != 1) {
       text.make("maximum depth: " + std::to_string(model.drawingDepth) + "\n", 0);
@@ -149,10 +175,8 @@ MappedText modelText(const CpfgModel& model, bool isAlone) {
       addLine(text, production);
     }
   }
-  if (writesTurns) {
-    for (const char turn : kTurns) {
-      text.make(std::string(1, turn) + " --> " + turn + "(" + cpfgNumber(model.angleDegrees) + ")\n", 0);
-    }
+  for (const char turn : turns) {
+    text.make(std::string(1, turn) + " --> " + turn + "(" + cpfgNumber(model.angleDegrees) + ")\n", 0);
   }
   text.make("endlsystem\n", 0);
   return text;
