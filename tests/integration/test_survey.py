@@ -1,15 +1,19 @@
 """Plants and fields as files of surveyors (espalier.survey), read by gdal, VTK, @loaders.gl, and by Espalier again."""
 
+import base64
 import importlib.util
+import itertools
 import json
 import math
 import os
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 from pathlib import Path
 from typing import Any, Callable, Dict, List
 
@@ -146,18 +150,41 @@ class Survey(unittest.TestCase):
         writer = vtk.vtkXMLPolyDataWriter()
         writer.SetFileName(str(self.folder / "ball.vtp"))
         writer.SetInputData(data)
-        writer.SetCompressorTypeToNone()
-        for mode in (writer.SetDataModeToBinary, writer.SetDataModeToAscii):
-            mode()
+        expected = [tuple(data.GetCell(i).GetPointId(k) for k in range(3)) for i in range(data.GetNumberOfCells())]
+        writer.SetBlockSize(512)  # several blocks for each array
+        for mode, isCompressed, isEncoded, isLong in itertools.product(("Ascii", "Binary", "Appended"), (False, True), (False, True), (False, True)):
+            getattr(writer, f"SetDataModeTo{mode}")()
+            (writer.SetCompressorTypeToZLib if isCompressed else writer.SetCompressorTypeToNone)()
+            (writer.SetHeaderTypeToUInt64 if isLong else writer.SetHeaderTypeToUInt32)()
+            writer.SetEncodeAppendedData(isEncoded)
             writer.Write()
             mesh = survey.read_vtp(self.folder / "ball.vtp")
-            self.assertEqual((len(mesh.points), len(mesh.polygons)), (data.GetNumberOfPoints(), data.GetNumberOfCells()))
+            self.assertEqual(len(mesh.points), data.GetNumberOfPoints())
+            if mode != "Ascii":  # VTK writes eight digits as text
+                self.assertEqual(mesh.points, [data.GetPoint(i) for i in range(data.GetNumberOfPoints())])
+            self.assertEqual(mesh.polygons, expected)
             self.assertEqual(mesh.cells["plant"], [float(i % 3) for i in range(data.GetNumberOfCells())])
-            self.assertEqual(mesh.polygons[5], tuple(data.GetCell(5).GetPointId(k) for k in range(3)))
-        writer.SetDataModeToAppended()
+            # cut in the middle of its data: refused
+            whole = (self.folder / "ball.vtp").read_bytes()
+            (self.folder / "cut.vtp").write_bytes(whole[:len(whole) // 2])
+            with self.assertRaises(survey.SurveyError):
+                survey.read_vtp(self.folder / "cut.vtp")
+        writer.SetCompressorTypeToLZ4()
         writer.Write()
-        with self.assertRaisesRegex(survey.SurveyError, "SetDataModeToBinary"):
+        with self.assertRaisesRegex(survey.SurveyError, "compressed by vtkLZ4DataCompressor: write it with SetCompressorTypeToZLib"):
             survey.read_vtp(self.folder / "ball.vtp")
+
+    def test_a_small_file_does_not_become_large(self) -> None:
+        blocks = [zlib.compress(bytes(2**24)) for _ in range(12)]
+        for claims in (2**24, 2**20):
+            head = struct.pack(f"<{3 + len(blocks)}I", len(blocks), claims, 0, *map(len, blocks))
+            packed = base64.b64encode(head).decode() + base64.b64encode(b"".join(blocks)).decode()
+            array = '<DataArray type="{}" Name="{}" format="binary">' + packed + "</DataArray>"
+            (self.folder / "bomb.vtp").write_text(
+                '<VTKFile type="PolyData" compressor="vtkZLibDataCompressor"><PolyData><Piece><Points>' + array.format("Float64", "p") +
+                "</Points><Polys>" + array.format("UInt8", "connectivity") + array.format("UInt8", "offsets") + "</Polys></Piece></PolyData></VTKFile>",
+                encoding="ascii")
+            self.convert("bomb.vtp", "out.obj", said="more than 20000000 numbers" if claims == 2**24 else "'p' is damaged")
 
     def test_pieces_need_not_have_the_same_arrays(self) -> None:
         piece = ('<Piece NumberOfPoints="3" NumberOfPolys="1"><Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">'
