@@ -1,5 +1,4 @@
-"""The Basic Model Interface (BMI 2.0, Hutton, Piper & Tucker 2020): a simulation as a model that others step, and a BMI model as an
-environment that plants ask.
+"""A simulation as a model of the Basic Model Interface that others step.
 
     model = EspalierBmi()
     model.initialize("tree-bmi.json")        # {"model": "tree.l", "environment": [{"type": "shadow"}], "seed": 7, "inputs": ["ENOUGH"],
@@ -14,24 +13,18 @@ from __future__ import annotations
 
 import json
 import math
-import weakref
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple, TypeVar
 
-from .client import Simulation
-from .environment import Environment
-from .errors import EspalierError
-from .local_server import Local
-from .model_folder import reference
-from .queries import Answer, Query, Variable
+from ..client import Simulation
+from ..errors import EspalierError
+from ..local_server import Local
+from ..model_folder import reference
+from .grids import BmiError
 
 Array = Any  # numpy.ndarray
 Value = TypeVar("Value")
-
-
-class BmiError(EspalierError):
-    """A call that the interface cannot answer: one sentence."""
 
 
 # the keys of a configuration, and what each of them is
@@ -299,102 +292,3 @@ class EspalierBmi:
 
     get_grid_shape = get_grid_spacing = get_grid_origin = get_grid_x = get_grid_y = get_grid_z = _no_grid
     get_grid_edge_nodes = get_grid_face_edges = get_grid_face_nodes = get_grid_nodes_per_face = _no_grid
-
-
-class _Raster:
-    """The uniform grid of a BMI variable. BMI lists axes from the slowest to the fastest: z, y, x, or y, x."""
-
-    def __init__(self, model: Any, name: str, axes: Sequence[str]) -> None:
-        import numpy
-
-        grid = model.get_var_grid(name)
-        if model.get_grid_type(grid) != "uniform_rectilinear":
-            raise BmiError(f"'{name}' is on a grid of the type {model.get_grid_type(grid)}: an environment needs uniform_rectilinear.")
-        rank = model.get_grid_rank(grid)
-        if rank not in (1, 2, 3):
-            raise BmiError(f"'{name}' has {rank} dimensions: an environment needs one to three.")
-        if len(axes) < rank:
-            raise BmiError(f"'{name}' has {rank} dimensions: name as many axes.")
-        self.shape: List[int] = [int(number) for number in model.get_grid_shape(grid, numpy.empty(rank, dtype=int))]
-        self.spacing = [float(number) for number in model.get_grid_spacing(grid, numpy.empty(rank))]
-        self.origin = [float(number) for number in model.get_grid_origin(grid, numpy.empty(rank))]
-
-    def index(self, place: Sequence[float]) -> int:
-        """The nearest node, at the border for places outside."""
-        found = 0
-        for count, spacing, origin, coordinate in zip(self.shape, self.spacing, self.origin, reversed(place[:len(self.shape)])):
-            found = found * count + min(max(round((coordinate - origin) / spacing), 0), count - 1)
-        return found
-
-
-def _described(model: Any, name: str) -> Variable:
-    try:
-        unit = str(model.get_var_units(name)).strip()
-    except (AttributeError, NotImplementedError):
-        unit = ""  # a model without this function
-    return Variable(name.replace(" ", "_"), unit if unit not in ("", "-") else "1")
-
-
-def environment_of(model: Callable[[], Any], config_file: str, output: str, demand: Optional[str] = None,
-                   axes: Sequence[str] = ("x", "y", "z")) -> Type[Environment]:
-    """An Environment that a BMI model answers. In each step the model gets the sum of the queries' first parameters of each node in
-    its variable `demand`, makes one update, and a query is answered the value of `output` at its place. `axes` are those of the
-    world that the axes of the grid follow, from the fastest on: ("x", "y") for a map seen from the side. Each simulation has
-    a model of its own, finalized when it starts over or is closed, or the connection ends. One more model is initialized and
-    finalized at once: it says the units. BMI has no way to save a state: after a lost model the simulation must be reset.
-
-        environment_of(Heat, "heat.yaml", "plate_surface__temperature", axes=("x", "z")).serve()
-    """
-    if not set(axes) <= {"x", "y", "z"}:
-        raise BmiError(f"the axes {list(axes)} are not of x, y and z.")
-    first = model()
-    first.initialize(config_file)
-    try:
-        _Raster(first, output, axes)
-        described = [_described(first, name) for name in (output, demand) if name is not None]
-    finally:
-        first.finalize()
-
-    class Bmi(Environment):
-        needs = ("position", "parameters")
-        inputs = described[1:]
-        outputs = described[:1]
-        is_stateful = True
-
-        @classmethod
-        def description(cls) -> Dict[str, Any]:
-            return {**super().description(), "checkpoint": False}
-
-        def opened(self) -> None:
-            self.model = model()
-            self.model.initialize(config_file)
-            # at the latest when this object goes: a simulation that starts over has a new one, and a lost connection closes none
-            self.end = weakref.finalize(self, self.model.finalize)
-            self.raster = _Raster(self.model, output, axes)
-            self.last_step = -1
-
-        def closed(self) -> None:
-            self.end()
-
-        def step(self, queries: Sequence[Query]) -> Sequence[Answer]:
-            import numpy
-
-            # the same step may be asked again
-            if self.completed_steps - self.last_step not in (0, 1):
-                raise BmiError(f"the BMI model is not at step {self.completed_steps}, and its state is never saved: reset the simulation")
-            self.last_step = self.completed_steps
-            places = [self.raster.index([query.position["xyz".index(axis)] for axis in axes]) for query in queries]
-            if demand is not None:
-                asked = numpy.zeros(self.model.get_var_nbytes(demand) // self.model.get_var_itemsize(demand))
-                for place, query in zip(places, queries):
-                    asked[place] += query.parameters[0] if query.parameters else 0.0
-                self.model.set_value(demand, asked)
-            self.model.update()
-            size = self.model.get_var_nbytes(output) // self.model.get_var_itemsize(output)
-            values = self.model.get_value(output, numpy.empty(size, dtype=self.model.get_var_type(output)))
-            return [[float(values[place])] for place in places]
-
-        def save(self) -> Mapping[str, Any]:
-            raise BmiError("a BMI model has no way to save its state: run it in one piece.")
-
-    return Bmi
