@@ -161,6 +161,12 @@ class Hostile(unittest.TestCase):
         self.assertRefused(root, "the attribute dtype of q holds")
         (root / "q" / ".zattrs").write_text(json.dumps({"_ARRAY_DIMENSIONS": ["z", "y", 3]}), encoding="utf-8")
         self.assertRefused(root, "the attribute _ARRAY_DIMENSIONS of q is not a list of names")
+        # zarr reads ASCII, and beside consolidated metadata only when the attributes are asked for
+        import zarr  # type: ignore[import]
+        root = self.zarr()
+        zarr.consolidate_metadata(str(root))
+        (root / "q" / ".zattrs").write_bytes(json.dumps({"_ARRAY_DIMENSIONS": ["z", "y", "x"], "about": "\u00e9"}, ensure_ascii=False).encode())
+        self.assertRefused(root, "cannot be opened .UnicodeDecodeError")
 
     def test_links_out_of_a_zarr_folder_are_refused(self) -> None:
         secret = self.folder / "secret"

@@ -197,7 +197,8 @@ class Measured(unittest.TestCase):
             self.assertEqual({name: values[0] for name, values in found.items()}, {"u": 4, "axes": 2, "order": 1}, graph)
 
     def test_tables_of_spreadsheets(self) -> None:
-        for text in ("tree,axes,l\nA,3,1.5\nB,,2\n", "\ufefftree;axes;l\r\nA;3;1,5\r\nB;;2\r\n", "tree\taxes\tl\nA\t3\t1.5\n\nB\t\t2\n"):
+        for text in ("tree,axes,l\nA,3,1.5\nB,,2\n", "\ufefftree;axes;l\r\nA;3;1,5\r\nB;;2\r\n", "tree\taxes\tl\nA\t3\t1.5\n\nB\t\t2\n",
+                     "tree,axes,l\nA,3,1.5\nB,NA,2\n"):
             found = espalier.measured.table(self.file("m.csv", text))
             self.assertEqual(list(found), ["axes", "l"])
             self.assertEqual((found["axes"][0], math.isnan(found["axes"][1]), found["l"].tolist()), (3, True, [1.5, 2]))
@@ -211,6 +212,13 @@ class Measured(unittest.TestCase):
                               (lambda: espalier.measured.compare(results, {"axes": [1.0]}, error={"x": 1.0}), "no measure 'x'"),
                               (lambda: espalier.measured.table(self.file("m.csv", "axes\n")), "has no measured plant"),
                               (lambda: espalier.measured.table(self.file("m.csv", "a,b\n1\n")), "row 2 has 1 cells"),
+                              # a word in a column of numbers, no text, a folder, an endless cell, and a copy that was cut
+                              (lambda: espalier.measured.table(self.file("m.csv", "a,l\n1,1.5\n2,l.5\n3,2\n")), "'l' of row 3 is 'l.5', no finite number"),
+                              (lambda: espalier.measured.table(self.file("m.csv", "a\n1\n2\n1e999\n")), "'a' of row 4 is '1e999'"),
+                              (lambda: espalier.measured.table(CHAPTER), "is no file"),
+                              (lambda: espalier.measured.table(self.file("m.csv", "a\n" + "1" * 200_000 + "\n")), "is no table"),
+                              (lambda: espalier.measured.mtg(self.file("m.mtg", "CODE:\tFORM-A\n# Espalier: the last line is '# end'\nMTG:\nENTITY-CODE\n/P1\n"),
+                                                             {"n": {"count": "F"}}), "ends before its last line '# end'"),
                               (lambda: espalier.measured.mtg(self.file("m.mtg", "a,b\n"), {"n": {"count": "F"}}), "is no MTG file"),
                               (lambda: espalier.measured.mtg([], {"n": {"mtg": "axis"}}), "Did you mean 'axes'"),
                               (lambda: espalier.measured.mtg([], {"n": {"plant": "height"}}), "No measure is")):

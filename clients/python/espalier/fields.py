@@ -309,6 +309,7 @@ def open_dataset(path: "str | os.PathLike[str]", group: "str | None" = None) -> 
         # xarray reads coordinates at once
         if max(lengths, default=0) > MOST_CELLS:
             raise MemoryError(f"an axis of {max(lengths)}, and at most {MOST_CELLS} can be read")
+        attributes = {name: dict(array.attrs) for name, array in arrays.items()}
         data = xarray.open_dataset(source, **asStored)
     except FieldError:
         raise
@@ -325,7 +326,7 @@ def open_dataset(path: "str | os.PathLike[str]", group: "str | None" = None) -> 
         # xarray takes every fill value for a mark of missing data, but 0 is what zarr writes when nobody chose
         if name in data.dims or array.fill_value == 0:
             data[name].attrs.pop("_FillValue", None)
-        data[name].attrs.update({key: value for key, value in array.attrs.items() if key == "_FillValue"})
+        data[name].attrs.update({key: value for key, value in attributes[name].items() if key == "_FillValue"})
     return data
 
 

@@ -34,15 +34,33 @@ Path = Union[str, "os.PathLike[str]"]
 # --- measured plants --------------------------------------------------------------------------------------------------
 
 
-def table(file: Path) -> Dict[str, Any]:
-    """The columns of a CSV or TSV file by name, a row for each measured plant. An empty cell is NaN. A column with other
-    text, such as the name of the tree, is left out."""
-    np = require_numpy()
+MOST_BYTES = 200_000_000  # of a file
+
+
+def _text(file: Path) -> str:
+    """The text of a file. Raises ValueError for what is no text, and for what has no end."""
+    if os.path.exists(file) and not os.path.isfile(file):
+        raise ValueError(f"'{os.fspath(file)}' is no file: give the name of a file, no pipe, device or folder.")
+    if os.path.getsize(file) > MOST_BYTES:
+        raise ValueError(f"'{os.fspath(file)}' has more than {MOST_BYTES} bytes: give a part of it.")
     with open(file, newline="", encoding="utf-8-sig") as opened:
-        text = opened.read()
+        try:
+            return opened.read()
+        except UnicodeDecodeError as error:
+            raise ValueError(f"'{os.fspath(file)}' is no text in UTF-8 ({error.reason} at byte {error.start}): convert it, or get a complete copy.") from None
+
+
+def table(file: Path) -> Dict[str, Any]:
+    """The columns of a CSV or TSV file by name, a row for each measured plant. An empty cell and NA are NaN. A column of
+    text, such as the name of the tree, is left out; a column of numbers with another word in it is an error."""
+    np = require_numpy()
+    text = _text(file)
     first = text.partition("\n")[0]
     separator = max("\t;,", key=first.count)
-    rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(cell.strip() for cell in row)]
+    try:
+        rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise ValueError(f"'{os.fspath(file)}' is no table ({error}): write it again with a line for each plant.") from None
     if len(rows) < 2:
         raise ValueError(f"'{os.fspath(file)}' has no measured plant: give a line of names, and a line for each plant.")
     names = [name.strip() for name in rows[0]]
@@ -51,14 +69,25 @@ def table(file: Path) -> Dict[str, Any]:
             raise ValueError(f"'{os.fspath(file)}': row {number} has {len(row)} cells, and the line of names {len(names)}.")
     columns = {}
     for i, name in enumerate(names):
-        cells = [row[i].strip() for row in rows[1:]]
-        try:
-            # in a table with semicolons the comma may be the decimal sign
-            values = [float(cell.replace(",", ".") if separator == ";" else cell) if cell else math.nan for cell in cells]
-        except ValueError:
+        cells = ["" if row[i].strip() == "NA" else row[i].strip() for row in rows[1:]]
+        # in a table with semicolons the comma may be the decimal sign
+        values = [_number(cell.replace(",", ".") if separator == ";" else cell) for cell in cells]
+        wrong = [j for j, value in enumerate(values) if value is None]
+        if 2 * len(wrong) >= len([cell for cell in cells if cell]) > 0:
             continue
+        if wrong:
+            raise ValueError(f"'{os.fspath(file)}': '{name}' of row {wrong[0] + 2} is '{cells[wrong[0]]}', no finite number as in the other rows.")
         columns[name] = np.array(values, dtype=float)
     return columns
+
+
+def _number(cell: str) -> Optional[float]:
+    """The number of a cell, NaN for an empty one, and None for a word."""
+    try:
+        value = float(cell or "nan")
+    except ValueError:
+        return None
+    return None if math.isinf(value) else value
 
 
 @dataclass
@@ -68,13 +97,16 @@ class _Vertex:
     branches: bool  # the edge from the parent is `+`
 
 
+_PROMISE = "# Espalier: the last line is"
 _ENTITY = re.compile(r"(\^?)([/<+]*)([A-Za-z]+)\d*")
 
 
 def _vertices(file: Path) -> List[_Vertex]:
     """The vertices of the finest scale of an MTG file."""
-    with open(file, encoding="utf-8-sig") as opened:
-        lines = opened.read().splitlines()
+    lines = _text(file).splitlines()
+    # what Espalier wrote ends with this comment, so that a copy that was cut is seen
+    if any(line.startswith(_PROMISE) for line in lines[:5]) and next((line for line in reversed(lines) if line.strip()), "").strip() != "# end":
+        raise ValueError(f"'{os.fspath(file)}' ends before its last line '# end': get a complete copy.")
     start = next((i for i, line in enumerate(lines) if line.strip().upper().startswith("MTG:")), None)
     head = next((i for i, line in enumerate(lines) if i > (start or 0) and line.strip()), None)
     if start is None or head is None:
