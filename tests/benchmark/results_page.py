@@ -60,19 +60,23 @@ class Page:
     def write(self, file: str) -> None:
         Path(file).write_text("\n".join(self.parts), encoding="utf-8")
 
-
     def update(self, file: str) -> None:
         """Puts the tables of this run in the place of those of the same titles; new ones go to the end."""
-        said = f"Measured {datetime.date.today().isoformat()}, load {os.getloadavg()[0]:.1f}.\n\n"
-        head, *sections = Path(file).read_text(encoding="utf-8").split("\n## ")
-        titles = [section.split("\n", 1)[0] for section in sections]
-        for title, text in self.tables.items():
-            section = f"{title}\n\n{said}{text}"
-            if title in titles:
-                sections[titles.index(title)] = section
-            else:
-                sections.append(section)
-        Path(file).write_text("\n## ".join([head, *sections]), encoding="utf-8")
+        update_tables(file, self.tables)
+
+
+def update_tables(file: str, tables: dict[str, str]) -> None:
+    """Puts tables, by their titles, in the place of those of the same titles; new ones go to the end."""
+    said = f"Measured {datetime.date.today().isoformat()}, load {os.getloadavg()[0]:.1f}.\n\n"
+    head, *sections = Path(file).read_text(encoding="utf-8").split("\n## ")
+    titles = [section.split("\n", 1)[0] for section in sections]
+    for title, text in tables.items():
+        section = f"{title}\n\n{said}{text}"
+        if title in titles:
+            sections[titles.index(title)] = section
+        else:
+            sections.append(section)
+    Path(file).write_text("\n## ".join([head, *sections]), encoding="utf-8")
 
 
 def append_table(file: str, title: str, rows: list[list[str]]) -> None:

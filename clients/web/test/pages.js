@@ -1,5 +1,6 @@
 // What the tests of the pages share: a server, Chromium, and what they wait for. ESPALIER_PROGRAM and ESPALIER_CHROMIUM name the
-// programs; ESPALIER_PICTURES a folder for pictures of the pages.
+// programs; ESPALIER_PICTURES a folder for pictures of the pages; ESPALIER_STUDIO a folder with studio.js and studio.css, which the
+// pages get instead of those in the program: a changed page is tried without building the program.
 import { spawn, spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -39,6 +40,9 @@ let browser;
 /** A new page at `address`; `script`: what runs in it before all other scripts. */
 export async function open(address, ready = "shown", script = null) {
   const page = await browser.newPage({ viewport: SIZE });
+  for (const file of process.env.ESPALIER_STUDIO ? ["studio.js", "studio.css"] : []) {
+    await page.context().route(`**/${file}`, (route) => route.fulfill({ path: join(process.env.ESPALIER_STUDIO, file) }));
+  }
   if (script) {
     await page.addInitScript(script);
   }
