@@ -2,6 +2,7 @@
 import { render } from "preact";
 import { App } from "./parts/app.js";
 import { Studio } from "./studio/studio.js";
+import { canvasToDraw } from "./view/scene.js";
 import "./style.css";
 
 let theme: string | null = null;
@@ -16,5 +17,8 @@ const studio = new Studio();
 // for tests and for people who look with the console
 Object.assign(window, { studio });
 const root = document.getElementById("studio")!;
+// the server reads and grows the model while the page is made; a call from here would have a browser's tools parse all of this script again
+queueMicrotask(() => void studio.start());
+const canvas = canvasToDraw();
 root.replaceChildren();
-render(<App studio={studio} />, root);
+render(<App studio={studio} canvas={canvas} />, root);

@@ -26,7 +26,7 @@ export function setTheme(studio: Studio, isDark: boolean): void {
   studio.changed();
 }
 
-export function App({ studio }: { studio: Studio }) {
+export function App({ studio, canvas }: { studio: Studio; canvas: HTMLCanvasElement }) {
   const [, redraw] = useReducer((count: number) => count + 1, 0);
   const [open, setOpen] = useState<Window>(null);
   const [tab, setTab] = useState<Tab>("Parameters");
@@ -44,7 +44,7 @@ export function App({ studio }: { studio: Studio }) {
         });
       }
     });
-    void studio.start();
+    redraw(undefined); // of what has come since the first drawing
     return end;
   }, []);
   useEffect(() => {
@@ -78,7 +78,7 @@ export function App({ studio }: { studio: Studio }) {
         <TextPane studio={studio} />
         <Divider isTextShown={isTextShown} onFold={() => setTextShown(!isTextShown)} onWidth={setTextWidth} />
         <section class="middle" aria-label="Plant">
-          <Stage studio={studio} onPick={() => setTab("Module")} />
+          <Stage studio={studio} canvas={canvas} onPick={() => setTab("Module")} />
           <Timeline studio={studio} />
         </section>
         <Side studio={studio} tab={tab} onTab={setTab} onVariations={() => setOpen("variations")} />

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
 import { guessedRange, processesWritten } from "../studio/document.js";
 import type { Define } from "../studio/document.js";
+import { deleteSimulation } from "../studio/plants.js";
 import { linkTo } from "../studio/share.js";
 import { ColourBoard } from "./colour_board.js";
 import { EnvironmentForm } from "./environment_form.js";
@@ -154,7 +155,7 @@ function Server({ studio }: { studio: Studio }) {
               {name || simulation}
             </button>
             <span class="quiet">{damaged ? "damaged" : `step ${step}${running ? ", running" : ""}`}</span>
-            {!studio.isReadOnly && <IconButton icon="close" label={`Delete ${name || simulation}`} onClick={() => void studio.act(() => studio.deleteSimulation(simulation))} />}
+            {!studio.isReadOnly && <IconButton icon="close" label={`Delete ${name || simulation}`} onClick={() => void studio.act(() => deleteSimulation(studio, simulation))} />}
           </li>
         ))}
         {studio.simulations.length === 0 && <li class="quiet">none yet</li>}

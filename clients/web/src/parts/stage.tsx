@@ -125,38 +125,43 @@ function LegendBox({ studio }: { studio: Studio }) {
   );
 }
 
-export function Stage({ studio, onPick }: { studio: Studio; onPick: () => void }) {
+/** The view of the plant, with what a person does in it. */
+function makeView(studio: Studio, element: HTMLElement, canvas: HTMLCanvasElement, onPick: () => void, onTurned: () => void): View {
+  const isDark = document.documentElement.dataset.theme === "dark";
+  const view = new View(element, { mode: "model", hasGround: true, hasShadows: true, hasSurroundings: true, isDark }, canvas);
+  // a person may switch them on again
+  view.onSlow = () => {
+    view.apply({ ...view.settings, hasShadows: false });
+    studio.changed();
+  };
+  view.onFitted = () => studio.changed();
+  let down = [0, 0];
+  dragSolids(studio, view);
+  canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
+  canvas.addEventListener("pointerup", (event) => {
+    if (event.button === 0 && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4) {
+      const found = view.pickAt(event.clientX, event.clientY);
+      void studio.act(() => studio.pick(found));
+      if (found) {
+        onPick();
+      }
+    }
+  });
+  view.controls.addEventListener("end", onTurned);
+  canvas.addEventListener("wheel", onTurned, { passive: true });
+  return view;
+}
+
+export function Stage({ studio, canvas, onPick }: { studio: Studio; canvas: HTMLCanvasElement; onPick: () => void }) {
   const place = useRef<HTMLDivElement>(null);
   const [, turned] = useState(0);
   const [problem, setProblem] = useState("");
   useEffect(() => {
     try {
-      const isDark = document.documentElement.dataset.theme === "dark";
-      const view = new View(place.current!, { mode: "model", hasGround: true, hasShadows: true, hasSurroundings: true, isDark });
-      studio.view = view;
-      // a person may switch them on again
-      view.onSlow = () => {
-        view.apply({ ...view.settings, hasShadows: false });
-        studio.changed();
-      };
-      view.onFitted = () => studio.changed();
-      let down = [0, 0];
-      const canvas = view.renderer.domElement;
-      dragSolids(studio, view);
-      canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
-      canvas.addEventListener("pointerup", (event) => {
-        if (event.button === 0 && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4) {
-          const found = view.pickAt(event.clientX, event.clientY);
-          void studio.act(() => studio.pick(found));
-          if (found) {
-            onPick();
-          }
-        }
-      });
-      view.controls.addEventListener("end", () => turned((count) => count + 1));
-      canvas.addEventListener("wheel", () => turned((count) => count + 1), { passive: true });
+      studio.frames.stage(makeView(studio, place.current!, canvas, onPick, () => turned((count) => count + 1)));
     } catch (error) {
       setProblem(`This page cannot draw: WebGL is not available (${(error as Error).message}).`);
+      studio.frames.stage(null);
     }
   }, []);
   const { environment } = studio.document;

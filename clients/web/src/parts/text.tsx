@@ -39,6 +39,9 @@ export function TextPane({ studio }: { studio: Studio }) {
       send: (message) => studio.editorMessage(message),
     });
     studio.onConnected = () => !studio.isReadOnly && served.connect();
+    if (studio.connection === "connected") {
+      studio.onConnected();
+    }
     studio.onUndo = (isRedo) => editor.current?.undo(isRedo);
     editor.current = new Editor(
       place.current!,

@@ -1,7 +1,7 @@
 // A table of plants over two numbers of the model, or over seeds. A click takes a plant over.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
-import { SIDE, axisOf, growVariations, seedAxis, shapeOf, variationsOf } from "../studio/variations.js";
+import { SIDE, axisOf, growVariations, seedAxis, shapeOf, takeOver, variationsOf } from "../studio/variations.js";
 import type { Axis, Variation } from "../studio/variations.js";
 import { View } from "../view/scene.js";
 import { Dialog } from "./dialogs.js";
@@ -64,9 +64,9 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
     }, stop.signal).catch((error: Error) => setProblem(error.message));
     return () => stop.abort();
   }, [variations]);
-  const take = ({ values, seed }: Variation) => {
+  const take = (one: Variation) => {
     onClose();
-    void studio.act(() => studio.takeOver(values, seed, { [across.name]: across.step, [down.name]: down.step }));
+    void studio.act(() => takeOver(studio, one, { [across.name]: across.step, [down.name]: down.step }));
   };
   const nameOf = ({ values, seed }: Variation) =>
     [...Object.entries(values).map(([name, value]) => `${name} ${short(value)}`), ...(across.name === "" || down.name === "" ? [`seed ${seed}`] : [])].join(", ");

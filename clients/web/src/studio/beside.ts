@@ -71,7 +71,7 @@ export class Beside {
     if (!view || !growth) {
       return;
     }
-    const stream = await growth.simulation.stream("columns", { credits: 1 });
+    const stream = await growth.simulation.stream("columns", { credits: 1, precision: "single" });
     this.stream = stream;
     void (async () => {
       for await (const { geometry, change, step, finished } of stream) {

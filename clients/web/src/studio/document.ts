@@ -1,5 +1,6 @@
 // The files of a model, and the numbers in them that sliders move.
 
+import { ServerError } from "espalier";
 import type { Client } from "espalier";
 
 /** A model that is being edited. Contents are texts; bytes of other files stay in base64. */
@@ -180,8 +181,15 @@ export async function galleryDocument(client: Client, name: string): Promise<Doc
 }
 
 /** What a page without a model in its address shows: a tree of the gallery whose buds ask for light, and shadow for it. */
-export async function firstDocument(client: Client, gallery: string[]): Promise<Document> {
-  return gallery.includes("light-tree") ? withProcesses(await galleryDocument(client, "light-tree"), [{ type: "shadow", shadowWeight: 0.1 }]) : newDocument();
+export async function firstDocument(client: Client): Promise<Document> {
+  try {
+    return withProcesses(await galleryDocument(client, "light-tree"), [{ type: "shadow", shadowWeight: 0.1 }]);
+  } catch (error) {
+    if (error instanceof ServerError) {
+      return newDocument(); // the server's gallery has other models
+    }
+    throw error;
+  }
 }
 
 export function newDocument(): Document {

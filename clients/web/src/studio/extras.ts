@@ -69,7 +69,7 @@ export class Extras {
   private async showMesh({ glb, step, simulation }: FrameOf<"glb">): Promise<void> {
     const object = await readObject(glb.slice().buffer);
     const { studio } = this;
-    await studio.held;
+    await Promise.all([studio.frames.held, studio.frames.isStaged]);
     // not a state on the way to the wanted one
     if (simulation === this.simulation?.id && (studio.isRunning || step === studio.step)) {
       studio.view?.showObject(object, step);

@@ -20,6 +20,12 @@ export function createPlant(client: Client, document: Document, seed: number, si
   });
 }
 
+/** Takes a simulation off the server. */
+export async function deleteSimulation(studio: Studio, simulation: string): Promise<void> {
+  await studio.client.call("simulation.delete", { simulation });
+  await studio.list();
+}
+
 /** Compiles all models of a document. */
 export async function checkDocument(client: Client, document: Document): Promise<{ isValid: boolean; diagnostics: Diagnostic[] }> {
   const results = await Promise.all(mainsOf(document).map((main) => client.check({ ...modelOf(document), main })));

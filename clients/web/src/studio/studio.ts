@@ -1,6 +1,6 @@
 // The state of the studio: a connection, a document, its simulation, and what the page shows of them.
 import { Code, ServerError, connect } from "espalier";
-import type { Client, Diagnostic, Information, Simulation, Statistics, Stream } from "espalier";
+import type { Client, Diagnostic, FrameOf, Information, Simulation, Statistics } from "espalier";
 import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { ModelPalette } from "../view/colours.js";
@@ -11,6 +11,7 @@ import { Beside } from "./beside.js";
 import type { Growth } from "./beside.js";
 import { Extras } from "./extras.js";
 import { Fields } from "./fields.js";
+import { Frames } from "./frames.js";
 import { History } from "./history.js";
 import { folderPalette } from "./palette.js";
 import { Watched } from "./watched.js";
@@ -23,8 +24,6 @@ const LIST_MILLISECONDS = 2500;
 // of stepping between two kept states, and between two pictures of a run
 const STATE_MILLISECONDS = 80;
 const MOST_RUN = 1_000_000;
-// of frames that are not shown
-const PATIENCE_MILLISECONDS = 800;
 
 export class Studio {
   connection: Connection = "connecting";
@@ -60,7 +59,7 @@ export class Studio {
   readonly beside = new Beside(this);
   readonly fields = new Fields(this);
   readonly watched = new Watched(this);
-  held: Promise<void> | null = null; // frames wait for it
+  readonly frames = new Frames(this);
   /** Called when there is a connection, and when there is one again. */
   onConnected: () => void = () => {};
   /** Takes the last change of the shown text back, also a slider's; or makes it again. */
@@ -74,7 +73,6 @@ export class Studio {
   private ownId = ""; // of the simulation that this page made last, also when the server has lost it
   private history = new History();
   private readonly listeners = new Set<() => void>();
-  private streams: Array<Stream<"columns"> | Stream<"statistics">> = [];
   private work: Promise<void> = Promise.resolve(); // requests that change the simulation, one after the other
   private wanted: { values: Record<string, number>; isFinal: boolean } | null = null;
   private wantedStep: number | null = null;
@@ -131,13 +129,24 @@ export class Studio {
     if (this.connection !== "connected") {
       return;
     }
-    if (shown) {
-      // what the page holds counts, not its address
-      await this.act(() => (this.isOwn ? this.build(this.step) : this.watch(shown)));
-      return;
+    if (!shown) {
+      setInterval(() => void this.list().catch(() => {}), LIST_MILLISECONDS);
     }
-    setInterval(() => void this.list().catch(() => {}), LIST_MILLISECONDS);
-    await this.act(() => this.openHash(named));
+    // what the page holds counts, not its address; and the plant is asked for before the lists
+    const opened = this.act(() => (!shown ? this.openHash(named) : this.isOwn ? this.build(this.step) : this.watch(shown)));
+    await Promise.all([opened, this.readLists().catch((error) => this.fail(error))]);
+    this.changed();
+  }
+
+  /** What the server offers. */
+  private async readLists(): Promise<void> {
+    const lists = [this.client.gallery(), this.client.call("environment.list", {}), this.client.simulations()] as const;
+    const [{ entries, pictures, saved }, { environments }, simulations] = await Promise.all(lists);
+    this.gallery = entries.map((name) => ({ name, picture: pictures[name] ?? null }));
+    this.saved = saved ?? null;
+    this.environments = environments as EnvironmentEntry[];
+    this.simulations = simulations;
+    this.changed();
   }
 
   private async openHash(named: URLSearchParams): Promise<void> {
@@ -151,9 +160,8 @@ export class Studio {
       this.seed = shared.seed;
       await this.openDocument(shared.document, shared.step);
     } else {
-      const entries = this.gallery.map(({ name }) => name);
       const first = named.get("gallery");
-      await (first ? this.openGallery(first, named.get("step") ? Number(named.get("step")) : undefined) : this.openDocument(await firstDocument(this.client, entries)));
+      await (first ? this.openGallery(first, named.get("step") ? Number(named.get("step")) : undefined) : this.openDocument(await firstDocument(this.client)));
     }
   }
 
@@ -174,12 +182,7 @@ export class Studio {
     this.message = null;
     this.connection = "connected";
     this.server = this.client.hello.server;
-    const [{ entries, pictures, saved }, { environments }] = await Promise.all([this.client.gallery(), this.client.call("environment.list", {})]);
-    this.gallery = entries.map((name) => ({ name, picture: pictures[name] ?? null }));
-    this.saved = saved ?? null;
-    this.environments = environments as EnvironmentEntry[];
     this.onConnected();
-    await this.list();
   }
 
   private refused(error: Error, ofToken: string): void {
@@ -371,7 +374,7 @@ export class Studio {
         await this.show(simulation, true, !isAgain);
         await this.advance(step ?? this.length);
       };
-      await (isAgain ? this.hold(grow) : grow());
+      await (isAgain ? this.frames.hold(grow) : grow());
     });
   }
 
@@ -397,9 +400,7 @@ export class Studio {
   }
 
   private async show(simulation: Simulation, isOwn: boolean, isAnother: boolean, information?: Information): Promise<void> {
-    for (const stream of this.streams) {
-      await stream.close();
-    }
+    await this.frames.close();
     this.simulation = simulation;
     this.isOwn = isOwn;
     this.ownId = isOwn ? simulation.id : this.ownId;
@@ -409,17 +410,13 @@ export class Studio {
     this.step = information?.step ?? 0;
     this.length = simulation.created?.derivationLength ?? information?.derivationLength ?? 0;
     this.isFinished = simulation.created?.finished ?? information?.finished ?? false;
-    await this.takePalette(simulation);
     this.view?.highlight(null);
     if (isAnother) {
       this.view?.forgetFit(directionToViewer(this.document));
     }
-    const statistics = await simulation.stream("statistics", { credits: undefined });
-    const columns = await simulation.stream("columns", { credits: 1 });
-    this.streams = [statistics, columns];
-    void this.readStatistics(statistics);
-    void this.readColumns(columns);
-    await this.extras.follow(simulation);
+    // one round trip: the colours come before the first frame
+    await Promise.all([this.takePalette(simulation), this.frames.open(simulation), this.extras.follow(simulation)]);
+    this.frames.read();
     this.changed();
   }
 
@@ -430,67 +427,18 @@ export class Studio {
     this.view?.setPalette(this.palette);
   }
 
-  private async readStatistics(stream: Stream<"statistics">): Promise<void> {
-    for await (const frame of stream) {
-      // it began anew, perhaps with other numbers or another model
-      if (!this.isOwn && this.statistics.length > 0 && frame.step <= this.step) {
-        void this.watched.refresh().catch((error) => this.fail(error));
-      }
-      this.step = frame.step;
-      this.isFinished = frame.finished;
-      this.length = Math.max(this.length, frame.step);
-      this.statistics = [...this.statistics.filter(({ step }) => step < frame.step), frame.statistics];
-      void this.fields.refresh().catch((error) => this.fail(error));
-      this.changed();
+  /** The server tells of a step. */
+  stepped({ step, finished, statistics }: FrameOf<"statistics">): void {
+    // it began anew, perhaps with other numbers or another model
+    if (!this.isOwn && this.statistics.length > 0 && step <= this.step) {
+      void this.watched.refresh().catch((error) => this.fail(error));
     }
-    this.ended(stream);
-  }
-
-  private async readColumns(stream: Stream<"columns">): Promise<void> {
-    let isSkipped = false;
-    for await (const frame of stream) {
-      if (this.held) {
-        // a state on the way to the wanted one
-        await this.held;
-        if (frame.step !== this.step) {
-          isSkipped = true;
-          continue;
-        }
-      }
-      this.view?.update(frame.geometry, isSkipped ? { ...frame.change, isWhole: true } : frame.change, frame.step, frame.finished);
-      isSkipped = false;
-      if (this.view) {
-        this.view.element.dataset.step = String(frame.step);
-      }
-      // one picture, then the next frame; while a slider's plant is made no frame is asked for
-      await nextFrame();
-    }
-    this.ended(stream);
-  }
-
-  private ended(stream: Stream<"statistics"> | Stream<"columns">): void {
-    if (stream.reason && this.connection === "connected" && stream.simulation === this.simulation?.id) {
-      this.simulation = null;
-      this.say(`The simulation is gone: ${stream.reason.replace(/\.$/, "")}. ${this.isOwn ? "" : "This page shows it again when it is there."}`.trim(), true);
-      this.view?.clear();
-    }
-  }
-
-  /** While it works, frames are not shown, but no longer than a person waits gladly. */
-  private async hold(work: () => Promise<void>): Promise<void> {
-    let release = () => {};
-    this.held = new Promise((done) => (release = done));
-    const end = () => {
-      this.held = null;
-      release();
-    };
-    const patience = setTimeout(end, PATIENCE_MILLISECONDS);
-    try {
-      await work();
-    } finally {
-      clearTimeout(patience);
-      end();
-    }
+    this.step = step;
+    this.isFinished = finished;
+    this.length = Math.max(this.length, step);
+    this.statistics = [...this.statistics.filter((one) => one.step < step), statistics];
+    void this.fields.refresh().catch((error) => this.fail(error));
+    this.changed();
   }
 
   // ---- time
@@ -498,12 +446,14 @@ export class Studio {
   /** Derives to a step, and keeps states on the way. */
   private async advance(until: number): Promise<void> {
     const simulation = this.simulation!;
-    await this.keep(simulation);
+    let kept = this.keep(simulation);
     let chunk = 1;
     let sinceKept = 0;
     while (this.step < until && !this.isFinished && this.simulation === simulation) {
-      const begin = performance.now();
-      const result = await this.derive(() => simulation.stepUntil(Math.min(until, this.step + chunk)));
+      // the server saves the state, then makes the steps
+      let begin = performance.now();
+      const stepping = this.derive(() => simulation.stepUntil(Math.min(until, this.step + chunk)));
+      const [result] = await Promise.all([stepping, kept.then(() => (begin = performance.now()))]);
       const time = performance.now() - begin;
       const made = result.step - this.step;
       this.step = result.step;
@@ -514,11 +464,12 @@ export class Studio {
       sinceKept += time;
       chunk = Math.max(1, Math.min(1000, Math.round((chunk * STATE_MILLISECONDS) / 2 / Math.max(time, 1))));
       if (sinceKept > STATE_MILLISECONDS) {
-        await this.keep(simulation);
+        kept = this.keep(simulation);
         sinceKept = 0;
       }
       this.changed();
     }
+    await kept;
     await this.keep(simulation);
   }
 
@@ -630,19 +581,6 @@ export class Studio {
     }
   }
 
-  /** Takes numbers and a seed over, as sliders do. `steps`: of the digits that are written. */
-  async takeOver(values: Record<string, number>, seed: number, steps: Record<string, number>): Promise<void> {
-    for (const [name, value] of Object.entries(values)) {
-      const define = this.defines.find((one) => one.name === name);
-      if (define) {
-        this.slide(define, value, steps[name] ?? 0.01, true);
-      }
-    }
-    if (seed !== this.seed) {
-      await this.setSeed(seed);
-    }
-  }
-
   private async deriveWanted(): Promise<void> {
     const simulation = this.simulation;
     const wish = this.wanted;
@@ -651,7 +589,7 @@ export class Studio {
       return;
     }
     const until = this.isFinished ? MOST_RUN : this.step;
-    await this.hold(() =>
+    await this.frames.hold(() =>
       this.derive(async () => {
         // one round trip: the server does them in order
         const requests = [simulation.set(wish.values), simulation.reset(this.seed), until === MOST_RUN ? simulation.run() : simulation.stepUntil(until)] as const;
@@ -691,10 +629,5 @@ export class Studio {
       this.history.clear();
       await this.keep(this.simulation!);
     });
-  }
-
-  async deleteSimulation(id: string): Promise<void> {
-    await this.client.call("simulation.delete", { simulation: id });
-    await this.list();
   }
 }

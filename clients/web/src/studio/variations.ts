@@ -90,7 +90,7 @@ export async function growVariations(studio: Studio, variations: Variation[], ta
 async function grow(helper: Simulation, { values, seed }: Variation, until: number | null, signal: AbortSignal): Promise<{ geometry: Geometry; change: GeometryChange }> {
   // one round trip: the server does them in order
   const derived = [Object.keys(values).length ? helper.set(values) : null, helper.reset(seed), until === null ? helper.run({ signal }) : helper.stepUntil(until, { signal })];
-  const opened = helper.stream("columns", { credits: 1 });
+  const opened = helper.stream("columns", { credits: 1, precision: "single" });
   await Promise.all(derived);
   const stream = await opened;
   for await (const { geometry, change, step } of stream) {
@@ -99,4 +99,17 @@ async function grow(helper: Simulation, { values, seed }: Variation, until: numb
     }
   }
   throw new Error("The server ended a plant of the table. Open the table again.");
+}
+
+/** Takes the numbers and the seed of a plant over, as sliders do. `steps`: of the digits that are written. */
+export async function takeOver(studio: Studio, { values, seed }: Variation, steps: Record<string, number>): Promise<void> {
+  for (const [name, value] of Object.entries(values)) {
+    const define = studio.defines.find((one) => one.name === name);
+    if (define) {
+      studio.slide(define, value, steps[name] ?? 0.01, true);
+    }
+  }
+  if (seed !== studio.seed) {
+    await studio.setSeed(seed);
+  }
 }

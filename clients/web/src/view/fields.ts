@@ -1,5 +1,5 @@
 // A field of the environment: a slice through it in colours, and the surface on which it has one value.
-import { Box3, BufferAttribute, BufferGeometry, DataTexture, DoubleSide, Group, Mesh, MeshBasicMaterial, MeshStandardMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace, Vector3 } from "three";
+import { Box3, BufferAttribute, BufferGeometry, DataTexture, DoubleSide, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, NearestFilter, PlaneGeometry, SRGBColorSpace, Vector3 } from "three";
 import { scaleColour } from "./colours.js";
 import type { Legend } from "./colours.js";
 
@@ -179,5 +179,5 @@ function surface(field: Field, level: number, colour: number): Mesh {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(isoSurface(field, level), 3));
   geometry.computeVertexNormals();
-  return new Mesh(geometry, new MeshStandardMaterial({ color: colour, side: DoubleSide, transparent: true, opacity: 0.5, depthWrite: false, roughness: 0.9 }));
+  return new Mesh(geometry, new MeshLambertMaterial({ color: colour, side: DoubleSide, transparent: true, opacity: 0.5, depthWrite: false }));
 }

@@ -1,14 +1,14 @@
 // All organs as one mesh: leaves, polygons, surfaces, spheres.
-import { BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Mesh, MeshStandardMaterial, Sphere } from "three";
+import { BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, Mesh, MeshLambertMaterial, Sphere } from "three";
 import type { Geometry } from "espalier";
 
 export class Organs {
-  readonly mesh: Mesh<BufferGeometry, MeshStandardMaterial>;
+  readonly mesh: Mesh<BufferGeometry, MeshLambertMaterial>;
   count = 0;
   private begins = new Uint32Array(1); // first vertex of each organ, and the end
 
   constructor() {
-    const material = new MeshStandardMaterial({ vertexColors: true, side: DoubleSide, roughness: 0.62, metalness: 0 });
+    const material = new MeshLambertMaterial({ vertexColors: true, side: DoubleSide });
     // the colours are bytes as a screen shows them; light needs them linear
     material.onBeforeCompile = (shader) => {
       shader.fragmentShader = shader.fragmentShader.replace(
@@ -30,7 +30,7 @@ export class Organs {
     for (let i = 0; i < organs.count; ++i) {
       this.begins[i + 1] = this.begins[i] + counts[i];
     }
-    const positions = Float32Array.from(vertices.column("Position"));
+    const positions = new Float32Array(vertices.column("Position"));
     const corners = triangles.column("Corners");
     const index = new Uint32Array(corners.length);
     let at = 0;

@@ -7,7 +7,7 @@ import {
   DirectionalLight,
   HemisphereLight,
   Mesh,
-  MeshStandardMaterial,
+  MeshLambertMaterial,
   Object3D,
   PCFShadowMap,
   PerspectiveCamera,
@@ -33,6 +33,15 @@ import { Surroundings } from "./surroundings.js";
 import type { Solid } from "./surroundings.js";
 
 const FIELD_OF_VIEW = 32;
+const CONTEXT = { antialias: true, alpha: true, preserveDrawingBuffer: true };
+
+/** A canvas whose graphics card has been asked for: the card answers while the page is made. */
+export function canvasToDraw(): HTMLCanvasElement {
+  const canvas = document.createElement("canvas");
+  const context = canvas.getContext("webgl2", CONTEXT) as WebGL2RenderingContext | null;
+  context?.flush();
+  return canvas;
+}
 
 export interface ViewSettings {
   mode: ColourMode;
@@ -57,7 +66,7 @@ export class View {
   private readonly scene = new Scene();
   private readonly sun = new DirectionalLight(0xfff4e2, 2.4);
   private readonly sky = new HemisphereLight(0xf4f8ff, 0xb7ab92, 1.6);
-  private readonly ground: Mesh<CircleGeometry, MeshStandardMaterial>;
+  private readonly ground: Mesh<CircleGeometry, MeshLambertMaterial>;
   readonly surroundings = new Surroundings();
   readonly fieldView = new FieldView();
   private field: Field | null = null;
@@ -76,8 +85,10 @@ export class View {
   constructor(
     readonly element: HTMLElement,
     public settings: ViewSettings,
+    canvas = canvasToDraw(),
   ) {
-    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+    const context = canvas.getContext("webgl2") as WebGL2RenderingContext | null;
+    this.renderer = new WebGLRenderer({ canvas, ...(context && { context }), ...CONTEXT });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     const slow = () => {
       this.plants.tubes.isCoarse = true;
@@ -102,7 +113,7 @@ export class View {
     this.sun.shadow.intensity = 0.75;
     this.ground = new Mesh(
       new CircleGeometry(1, 96).rotateX(-Math.PI / 2),
-      new MeshStandardMaterial({ roughness: 1, transparent: true, alphaMap: fadeTexture(), depthWrite: false }),
+      new MeshLambertMaterial({ transparent: true, alphaMap: fadeTexture(), depthWrite: false }),
     );
     this.ground.receiveShadow = true;
     this.scene.add(this.sun, this.sun.target, this.sky, this.ground, this.plants.tubes.mesh, this.plants.organs.mesh, this.surroundings.group, this.fieldView.group);
@@ -110,6 +121,8 @@ export class View {
     this.apply(settings);
     new ResizeObserver(() => this.resize()).observe(element);
     this.resize();
+    // the card makes the program of segments, which every plant has, before there is a plant; nobody waits for it
+    this.renderer.compile(this.plants.tubes.mesh, this.camera, this.scene);
   }
 
   /** Takes new settings over. */

@@ -10,7 +10,7 @@ import {
   LineBasicMaterial,
   LineSegments,
   Mesh,
-  MeshStandardMaterial,
+  MeshLambertMaterial,
   PlaneGeometry,
   Points,
   PointsMaterial,
@@ -133,7 +133,7 @@ function at<T extends Object3D>(object: T, x: number, y: number, z: number): T {
 }
 
 function solid(geometry: BufferGeometry, colour = SOLID, opacity = 0.45): Mesh {
-  return new Mesh(geometry, new MeshStandardMaterial({ color: colour, transparent: true, opacity, roughness: 0.9, depthWrite: opacity > 0.8 }));
+  return new Mesh(geometry, new MeshLambertMaterial({ color: colour, transparent: true, opacity, depthWrite: opacity > 0.8 }));
 }
 
 /** A box that is larger than the plants would hide them: only its edges are shown. */

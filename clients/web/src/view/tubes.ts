@@ -7,7 +7,7 @@ import {
   DataUtils,
   Mesh,
   MeshDepthMaterial,
-  MeshStandardMaterial,
+  MeshLambertMaterial,
   RGBADepthPacking,
   Sphere,
   Vector2,
@@ -106,14 +106,14 @@ function joined(ranges: RowRange[]): RowRange[] {
 export class Tubes {
   isCoarse = false; // fewer sides, for a browser that draws slowly
   isSmall = false; // fewest sides, for small pictures
-  readonly mesh: Mesh<InstancedBufferGeometry, MeshStandardMaterial>;
+  readonly mesh: Mesh<InstancedBufferGeometry, MeshLambertMaterial>;
   private readonly uniforms = { pixelScale: { value: 0 }, leastPixels: { value: 0.7 }, lowest: { value: new Vector2() } };
   private capacity = 0;
   private shaped = ""; // sides and caps
   private readonly attributes: Record<string, InstancedBufferAttribute> = {};
 
   constructor() {
-    const material = new MeshStandardMaterial({ roughness: 0.78, metalness: 0 });
+    const material = new MeshLambertMaterial();
     material.onBeforeCompile = patch(this.uniforms, true);
     const depth = new MeshDepthMaterial({ depthPacking: RGBADepthPacking });
     depth.onBeforeCompile = patch(this.uniforms, false);

@@ -1,0 +1,114 @@
+// What the server tells about the shown simulation after each step: figures, and the plant as columns.
+import type { FrameOf, Simulation, Stream } from "espalier";
+import { nextFrame } from "../view/frames.js";
+import type { View } from "../view/scene.js";
+import { directionToViewer } from "./document.js";
+import type { Studio } from "./studio.js";
+
+// of frames that are not shown
+const PATIENCE_MILLISECONDS = 800;
+
+export class Frames {
+  /** Ends when frames are shown again; null: they are shown. */
+  held: Promise<void> | null = null;
+  private statistics: Stream<"statistics"> | null = null;
+  private columns: Stream<"columns"> | null = null;
+  private made: () => void = () => {};
+  /** The page has made its view, or knows that the browser cannot draw. */
+  readonly isStaged = new Promise<void>((done) => (this.made = done));
+
+  constructor(private readonly studio: Studio) {}
+
+  /** The page is made: it has a view, or null where the browser cannot draw. The connection may be older. */
+  stage(view: View | null): void {
+    const { studio } = this;
+    studio.view = view;
+    view?.setPalette(studio.palette);
+    view?.forgetFit(directionToViewer(studio.document));
+    this.made();
+    studio.changed();
+  }
+
+  /** Opens the streams of a simulation. */
+  async open(simulation: Simulation): Promise<void> {
+    // the view has single precision, too
+    [this.statistics, this.columns] = await Promise.all([simulation.stream("statistics", { credits: undefined }), simulation.stream("columns", { credits: 1, precision: "single" })]);
+  }
+
+  /** Shows what comes from now on. */
+  read(): void {
+    void this.readStatistics(this.statistics!);
+    void this.readColumns(this.columns!);
+  }
+
+  async close(): Promise<void> {
+    await Promise.all([this.statistics?.close(), this.columns?.close()]);
+    this.statistics = this.columns = null;
+  }
+
+  /** While it works, frames are not shown, but no longer than a person waits gladly. */
+  async hold(work: () => Promise<void>): Promise<void> {
+    let release = () => {};
+    this.held = new Promise((done) => (release = done));
+    const end = () => {
+      this.held = null;
+      release();
+    };
+    const patience = setTimeout(end, PATIENCE_MILLISECONDS);
+    try {
+      await work();
+    } finally {
+      clearTimeout(patience);
+      end();
+    }
+  }
+
+  private async readStatistics(stream: Stream<"statistics">): Promise<void> {
+    for await (const frame of stream) {
+      this.studio.stepped(frame);
+    }
+    this.ended(stream);
+  }
+
+  private async readColumns(stream: Stream<"columns">): Promise<void> {
+    const { studio } = this;
+    let isSkipped = false;
+    for await (const frame of stream) {
+      if (this.held) {
+        // a state on the way to the wanted one
+        await this.held;
+        if (frame.step !== studio.step) {
+          isSkipped = true;
+          continue;
+        }
+      }
+      if (!studio.view) {
+        // this frame is shown, even if it is not the newest: no other may follow it
+        await this.isStaged;
+      }
+      this.show(frame, isSkipped);
+      isSkipped = false;
+      // one picture, then the next frame; while a slider's plant is made no frame is asked for
+      await nextFrame();
+    }
+    this.ended(stream);
+  }
+
+  /** `isLater`: frames before it were not shown. */
+  private show({ geometry, change, step, finished }: FrameOf<"columns">, isLater: boolean): void {
+    const { view } = this.studio;
+    if (view) {
+      view.update(geometry, isLater ? { ...change, isWhole: true } : change, step, finished);
+      view.element.dataset.step = String(step);
+    }
+  }
+
+  private ended(stream: Stream<"statistics"> | Stream<"columns">): void {
+    const { studio } = this;
+    if (stream.reason && studio.connection === "connected" && stream.simulation === studio.simulation?.id) {
+      studio.simulation = null;
+      studio.say(`The simulation is gone: ${stream.reason.replace(/\.$/, "")}. ${studio.isOwn ? "" : "This page shows it again when it is there."}`.trim(), true);
+      studio.view?.clear();
+    }
+  }
+}
