@@ -1,6 +1,8 @@
 // Panels and curves of published folders: what they read, and that an edit changes only its own bytes.
 import assert from "node:assert/strict";
-import { readFileSync, readdirSync } from "node:fs";
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
@@ -9,7 +11,7 @@ import { build } from "esbuild";
 const here = dirname(fileURLToPath(import.meta.url));
 
 async function load(name) {
-  const { outputFiles } = await build({ entryPoints: [join(here, "../src/studio", name)], bundle: true, format: "esm", write: false });
+  const { outputFiles } = await build({ entryPoints: [join(here, "../src/studio", name)], tsconfig: join(here, "../tsconfig.json"), bundle: true, format: "esm", write: false });
   return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
 }
 
@@ -18,6 +20,9 @@ const curve = await load("curve.ts");
 const model = await load("document.ts");
 const palette = await load("palette.ts");
 const surface = await load("surface.ts");
+const turns = await load("turns.ts");
+const { archiveOf } = await load("archive.ts");
+const { Frames } = await load("frames.ts");
 
 const NEW_PANEL = `target: Lsystem
 panel name: Growth
@@ -289,4 +294,47 @@ test("the environment of a document is a file of it, unless a published file say
   const published = { ...plain, files: { ...plain.files, "tree.e": "", "tree.json": "{}" }, environment: [{ type: "gallery", model: "tree" }], gallery: "tree" };
   assert.equal(model.withText(published, "tree.e", "changed").environment, null);
   assert.equal(model.withProcesses(published, [{ type: "honda" }]).files["tree.json"], "{}");
+});
+
+test("a value of more than a full turn is remarked on, where the number only turns", () => {
+  const text = (value) => `#define ANGLE ${value}\n#define BEND ${value} /* ANGLE, too */\n#define SIZE 900\nLsystem: 1\nAxiom: F(SIZE)[+(ANGLE)F][&( -ANGLE )F]-(BEND*2) // ANGLE\n`;
+  const remarks = (value) => {
+    const document = { files: { "model.l": text(value), "README.md": "ANGLE is an angle" }, main: "model.l", binary: {}, environment: null, gallery: null, title: "" };
+    return Object.fromEntries(model.definesOfDocument(document).map((define) => [define.name, turns.remarkOn(document, define)]));
+  };
+  assert.deepEqual(remarks(900), { ANGLE: "More than a full turn: 900° and 180° give the same plant.", BEND: null, SIZE: null });
+  assert.equal(remarks(-400.5).ANGLE, "More than a full turn: -400.5° and -40.5° give the same plant.");
+  assert.deepEqual(remarks(360), { ANGLE: null, BEND: null, SIZE: null });
+});
+
+test("an archive has the files as they were, for another program's reader", async () => {
+  const files = new Map([["tree-seed-7.glb", Uint8Array.from({ length: 1000 }, (_, i) => i % 251)], ["Bäume.txt", new TextEncoder().encode("leer")], ["empty", new Uint8Array()]]);
+  const place = mkdtempSync(join(tmpdir(), "espalier-archive-"));
+  try {
+    writeFileSync(join(place, "all.zip"), new Uint8Array(await archiveOf(files).arrayBuffer()));
+    const read = spawnSync("python3", ["-c", "import json, sys, zipfile; z = zipfile.ZipFile(sys.argv[1]); print(json.dumps([z.testzip(), {n: z.read(n).hex() for n in z.namelist()}]))", join(place, "all.zip")], { encoding: "utf8" });
+    assert.deepEqual(JSON.parse(read.stdout), [null, Object.fromEntries([...files].map(([name, bytes]) => [name, Buffer.from(bytes).toString("hex")]))], read.stderr);
+  } finally {
+    rmSync(place, { recursive: true });
+  }
+});
+
+test("a frame that comes before the page has a view is shown, also when it is newer than the last answer", async () => {
+  globalThis.requestAnimationFrame = (work) => setTimeout(work);
+  globalThis.cancelAnimationFrame = clearTimeout;
+  const shown = [];
+  const view = { element: { dataset: {} }, setPalette() {}, forgetFit() {}, update: (geometry, change, step) => shown.push(step) };
+  const studio = { view: null, palette: null, step: 9, document: { files: {}, main: "model.l" }, changed() {}, stepped() {} };
+  const frames = new Frames(studio);
+  async function* one() {
+    yield { geometry: {}, change: {}, step: 10, finished: true };
+  }
+  await frames.open({ stream: async (kind) => (kind === "columns" ? one() : (async function* () {})()) });
+  frames.read();
+  await new Promise((done) => setTimeout(done, 20));
+  assert.deepEqual(shown, []);
+  frames.stage(view);
+  await new Promise((done) => setTimeout(done, 20));
+  assert.deepEqual(shown, [10]);
+  assert.equal(view.element.dataset.step, "10");
 });

@@ -247,12 +247,33 @@ test("the growth is saved as a film, and a photograph stands behind the plant at
   await page.mouse.move(grip.x - 35, grip.y + 5, { steps: 4 });
   await page.mouse.up();
   await page.waitForFunction((from) => Math.abs(document.querySelector("img.photograph").getBoundingClientRect().left - (from - 40)) < 1.5, begin);
+  // or by a drag in the view itself, while the button is pressed
+  await page.click("#photograph-move");
+  const middle = await page.locator("#photograph-hold").boundingBox();
+  const camera = await page.evaluate(() => studio.view.camera.position.toArray());
+  const dragged = await left();
+  await page.mouse.move(middle.x + 100, middle.y + 100);
+  await page.mouse.down();
+  await page.mouse.move(middle.x + 130, middle.y + 100, { steps: 4 });
+  await page.mouse.up();
+  await page.waitForFunction((from) => Math.abs(document.querySelector("img.photograph").getBoundingClientRect().left - (from + 30)) < 1.5, dragged);
+  assert.deepEqual(await page.evaluate(() => studio.view.camera.position.toArray()), camera);
+  await page.click("#photograph-move");
+  assert.equal(await page.locator("#photograph-hold").count(), 0);
   // seen through the plant
   await page.fill("#plant-strength", "0.5");
   await page.waitForFunction(() => document.querySelector("#plant canvas").style.opacity === "0.5");
   // ruler and protractor: two legs of the same length; then the first one lies on something that is 3 long
   await page.locator("#plant-strength").blur();
   await page.keyboard.press("m");
+  // the tools lie below the view now, and cover nothing of it
+  const boxes = await page.evaluate(() => ["#plant", ".photograph-tools"].map((name) => document.querySelector(name).getBoundingClientRect().toJSON()));
+  assert.ok(boxes[1].top >= boxes[0].bottom - 1, JSON.stringify(boxes));
+  // when the view has found its new size
+  await page.waitForFunction(() => {
+    const [[x, y], [x1, y1]] = [...document.querySelectorAll(".measure-point")].map(({ style }) => [parseFloat(style.left), parseFloat(style.top)]);
+    return Math.abs(Number(document.getElementById("measured").textContent.split(/[° ·]+/)[1]) / (Math.hypot(x1 - x, y1 - y) * studio.view.foot().unitsPerPixel) - 1) < 0.006;
+  });
   const measured = async () => (await page.textContent("#measured")).split(/[° ·]+/).map(Number);
   const [angle, leg, otherLeg] = await measured();
   const points = await page.evaluate(() => [...document.querySelectorAll(".measure-point")].map(({ style }) => [parseFloat(style.left), parseFloat(style.top)]));
@@ -276,6 +297,32 @@ test("the growth is saved as a film, and a photograph stands behind the plant at
   await page.mouse.move(400, 200);
   await page.evaluate(() => { studio.view.camera.position.sub(studio.view.controls.target).multiplyScalar(2).add(studio.view.controls.target); studio.view.controls.update(); });
   await page.waitForFunction((before) => document.querySelector("img.photograph").getBoundingClientRect().height < before * 0.3, first);
+  await page.close();
+});
+
+test("plants of many seeds are saved in one archive, and a turn around the plant as a film", async () => {
+  const page = await open(SMALL());
+  await page.evaluate(() => studio.openDocument({ title: "seeds", main: "model.l", binary: {}, environment: null, gallery: null, files: { "model.l": "#define ANGLE 25\nLsystem: 1\nderivation length: 3\nAxiom: A\nA --> F[+(ANGLE)A][-(ANGLE)A] : 0.5\nA --> FFA : 0.5\nendlsystem\n" } }));
+  await shown(page);
+  const before = await page.evaluate(async () => (await studio.list(), studio.simulations.length));
+  await page.keyboard.press("s");
+  await page.fill("#many-count", "3");
+  const [saved] = await Promise.all([page.waitForEvent("download"), page.click("#many-plants button")]);
+  assert.equal(saved.suggestedFilename(), "seeds-seeds.zip");
+  const read = spawnSync("python3", ["-c", "import sys, zipfile; z = zipfile.ZipFile(sys.argv[1]); print(z.testzip(), *[(n, z.read(n)[:4].decode()) for n in z.namelist()])", await saved.path()], { encoding: "utf8" });
+  assert.equal(read.stdout.trim(), "None ('seeds-seed-7.glb', 'glTF') ('seeds-seed-8.glb', 'glTF') ('seeds-seed-9.glb', 'glTF')", read.stderr);
+  assert.equal(await page.evaluate(async () => (await studio.list(), studio.simulations.length)), before);
+  assert.equal(await page.evaluate(() => studio.seed), 7);
+  // a turn that is stopped is as long as it was; the camera is where it was
+  const place = await page.evaluate(() => studio.view.camera.position.toArray());
+  await page.keyboard.press("s");
+  const [film] = await Promise.all([page.waitForEvent("download"), page.click("#film-turn").then(() => page.waitForTimeout(500)).then(() => page.click("#stop-work"))]);
+  assert.equal(film.suggestedFilename(), "seeds-turn.webm");
+  await page.waitForFunction((at) => studio.longWork === null && studio.view.camera.position.toArray().every((value, i) => Math.abs(value - at[i]) < 1e-6), place);
+  // an angle of more than a full turn is remarked on
+  await page.fill('[aria-label="Value of ANGLE"]', "900");
+  await page.keyboard.press("Tab");
+  await page.waitForFunction(() => document.querySelector(".remark")?.textContent === "More than a full turn: 900° and 180° give the same plant.");
   await page.close();
 });
 

@@ -38,10 +38,12 @@ export function App({ studio, canvas }: { studio: Studio; canvas: HTMLCanvasElem
     const end = studio.subscribe(() => {
       if (!isWaiting) {
         isWaiting = true;
-        onNextFrame(() => {
-          isWaiting = false;
-          redraw(undefined);
-        });
+        void studio.frames.withPlant().then(() =>
+          onNextFrame(() => {
+            isWaiting = false;
+            redraw(undefined);
+          }),
+        );
       }
     });
     redraw(undefined); // of what has come since the first drawing

@@ -3,7 +3,8 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { ComponentChildren } from "preact";
 import type { Studio } from "../studio/studio.js";
 import { download, linkTo } from "../studio/share.js";
-import { filmGrowth } from "../studio/film.js";
+import { filmGrowth, filmTurn } from "../studio/film.js";
+import { MOST_PLANTS, standOf } from "../studio/stand.js";
 import { bytesOf } from "../studio/palette.js";
 import { newDocument, publishedFileOf } from "../studio/document.js";
 import { listSaved, nameFor, openSaved, saveOnServer } from "../studio/saved.js";
@@ -172,13 +173,15 @@ export function ShareDialog({ studio, onClose }: { studio: Studio; onClose: () =
   );
 }
 
-async function recordFilm(studio: Studio, name: string): Promise<void> {
+/** Work that takes a while and that a person may stop; then its result is what there is so far. */
+async function longWork(studio: Studio, name: string, work: (signal: AbortSignal) => Promise<Blob>, file: string): Promise<void> {
   const stop = new AbortController();
-  studio.recording = stop;
+  studio.longWork = { stop, name };
+  studio.changed();
   try {
-    download(`${name}.webm`, await filmGrowth(studio, stop.signal));
+    download(file, await work(stop.signal));
   } finally {
-    studio.recording = null;
+    studio.longWork = null;
     studio.changed();
   }
 }
@@ -197,9 +200,9 @@ const EXPORTS = [
 ];
 
 export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () => void }) {
-  const film = () => {
+  const film = (suffix: string, make: typeof filmGrowth) => {
     onClose();
-    void studio.act(() => recordFilm(studio, name));
+    void studio.act(() => longWork(studio, "recording", (signal) => make(studio, signal), `${name}${suffix}.webm`));
   };
   const name = studio.document.title.replace(/[^\w.-]+/g, "-").replace(/\.\w+$/, "");
   const save = (suffix: string) =>
@@ -219,13 +222,40 @@ export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () 
       <h3>The plant at step {studio.step}</h3>
       <div class="list">
         <button type="button" onClick={() => void (async () => download(`${name}.png`, await (await fetch(studio.view!.picture())).blob()))()}>The view as a picture</button>
-        <button type="button" id="film" disabled={!studio.simulation || !studio.isOwn || studio.step === 0} onClick={film}>WebM: a film of the growth</button>
+        <button type="button" id="film" disabled={!studio.simulation || !studio.isOwn || studio.step === 0} onClick={() => film("", filmGrowth)}>WebM: a film of the growth</button>
+        <button type="button" id="film-turn" disabled={!studio.simulation} onClick={() => film("-turn", filmTurn)}>WebM: a turn around the plant</button>
         {EXPORTS.map(([suffix, label]) => (
           <button type="button" key={suffix} disabled={!studio.simulation} data-format={suffix} onClick={() => void save(suffix)}>{label}</button>
         ))}
         <button type="button" disabled={!studio.simulation} onClick={() => void studio.act(async () => download(`${name}.txt`, await studio.simulation!.string()))}>The string</button>
       </div>
+      {studio.isOwn && studio.simulation && <ManyPlants studio={studio} name={name} onDone={onClose} />}
     </Dialog>
+  );
+}
+
+/** Plants of many seeds in one archive. */
+function ManyPlants({ studio, name, onDone }: { studio: Studio; name: string; onDone: () => void }) {
+  const [count, setCount] = useState(40);
+  const [suffix, setSuffix] = useState("glb");
+  const save = () => {
+    onDone();
+    const { seed } = studio;
+    const told = (made: number) => studio.say(`${made} of ${count} plants`);
+    void studio.act(() => longWork(studio, "growing", (signal) => standOf(studio, name, seed, count, suffix, told, signal), `${name}-seeds.zip`));
+  };
+  return (
+    <form id="many-plants" onSubmit={(event) => { event.preventDefault(); save(); }}>
+      <h3>Many plants, each with a seed of its own</h3>
+      <div class="row">
+        <input id="many-count" type="number" min={1} max={MOST_PLANTS} step={1} required aria-label="Number of plants" value={count} onInput={(event) => setCount(event.currentTarget.valueAsNumber)} />
+        <span>plants, seeds from {studio.seed}, as</span>
+        <select aria-label="Format of the plants" value={suffix} onChange={(event) => setSuffix(event.currentTarget.value)}>
+          {EXPORTS.map(([one]) => <option key={one} value={one}>{one.toUpperCase()}</option>)}
+        </select>
+        <button disabled={studio.connection !== "connected" || studio.longWork !== null}>Save as ZIP</button>
+      </div>
+    </form>
   );
 }
 

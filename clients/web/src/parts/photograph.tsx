@@ -1,11 +1,13 @@
 // A photograph behind the plant, as high as the person says, to fit a model to it. It stays in the page.
+import type { JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
 import { IconButton } from "./icons.js";
 import { Measured, Protractor, pointsIn } from "./measure.js";
 import type { Point } from "./measure.js";
 
-export function Photograph({ studio }: { studio: Studio }) {
+/** What lies over the view, and the tools; `isUsed`: there is a photograph, or somebody measures. */
+export function usePhotograph(studio: Studio): { overlay: JSX.Element; tools: JSX.Element; isUsed: boolean } {
   const image = useRef<HTMLImageElement>(null);
   const [url, setUrl] = useState("");
   const [height, setHeight] = useState(1);
@@ -13,6 +15,8 @@ export function Photograph({ studio }: { studio: Studio }) {
   const [way, setWay] = useState([0, 0]); // of its foot from the plant's, in world units
   const [plantStrength, setPlantStrength] = useState(1);
   const [points, setPoints] = useState<Point[] | null>(null); // of ruler and protractor
+  const [isHeld, setHeld] = useState(false); // drags in the view move the photograph instead of the camera
+  const dragged = useRef(0); // pixels since the button was pressed
   const view = studio.view;
   const choose = (file: File | undefined) => {
     if (file && view) {
@@ -42,6 +46,7 @@ export function Photograph({ studio }: { studio: Studio }) {
   const moved = (event: PointerEvent) => {
     if ((event.currentTarget as Element).hasPointerCapture(event.pointerId)) {
       const { unitsPerPixel } = view!.foot();
+      dragged.current += Math.abs(event.movementX) + Math.abs(event.movementY);
       setWay(([x, y]) => [x + event.movementX * unitsPerPixel, y - event.movementY * unitsPerPixel]);
     }
   };
@@ -72,29 +77,38 @@ export function Photograph({ studio }: { studio: Studio }) {
       putPoint(0, from(end));
     }
   };
-  return (
+  const hold = (event: PointerEvent) => {
+    dragged.current = 0;
+    (event.currentTarget as Element).setPointerCapture(event.pointerId);
+  };
+  const overlay = (
     <>
       {url && <img ref={image} class="photograph" src={url} alt="Photograph behind the plant" style={{ opacity: strength }} />}
+      {url && isHeld && <div id="photograph-hold" onPointerDown={hold} onPointerMove={moved} />}
       {view && points && <Protractor view={view} points={points} onPoint={putPoint} />}
-      <div class="photograph-tools">
-        {view && <label class="chip" title="A ruler and a protractor (M)"><input id="measure" type="checkbox" checked={points !== null} onChange={(event) => setPoints(event.currentTarget.checked ? pointsIn(view) : null)} />measure</label>}
-        {view && points && <Measured view={view} points={points} onLength={url ? (length) => scaled(points, length) : undefined} />}
-        {!url && (
-          <label class="chip" title="A photograph behind the plant. It stays in this page.">
-            photograph …
-            <input id="photograph" type="file" accept="image/*" class="hidden" onChange={(event) => choose(event.currentTarget.files?.[0])} />
-          </label>
-        )}
-        {url && (
-          <>
-            <label class="chip">photograph is <input id="photograph-height" type="number" min={0} step="any" value={height} onInput={(event) => event.currentTarget.valueAsNumber > 0 && setHeight(event.currentTarget.valueAsNumber)} /> high</label>
-            <button type="button" id="photograph-move" class="chip" title="Drag, or press arrow keys, to move the photograph" onPointerDown={(event) => event.currentTarget.setPointerCapture(event.pointerId)} onPointerMove={moved} onKeyDown={shifted}>move</button>
-            <label class="chip" title="How see-through the photograph is">photograph <input type="range" min={0.1} max={1} step={0.05} value={strength} onInput={(event) => setStrength(event.currentTarget.valueAsNumber)} /></label>
-            <label class="chip" title="How see-through the plant is">plant <input id="plant-strength" type="range" min={0.1} max={1} step={0.05} value={plantStrength} onInput={(event) => setPlantStrength(event.currentTarget.valueAsNumber)} /></label>
-            <IconButton icon="close" label="Remove the photograph" onClick={() => { URL.revokeObjectURL(url); setUrl(""); setWay([0, 0]); }} />
-          </>
-        )}
-      </div>
     </>
   );
+  const isUsed = url !== "" || points !== null;
+  const tools = (
+    <div class={`photograph-tools ${isUsed ? "" : "floating"}`}>
+      {view && <label class="chip" title="A ruler and a protractor (M)"><input id="measure" type="checkbox" checked={points !== null} onChange={(event) => setPoints(event.currentTarget.checked ? pointsIn(view) : null)} />measure</label>}
+      {view && points && <Measured view={view} points={points} onLength={url ? (length) => scaled(points, length) : undefined} />}
+      {!url && (
+        <label class="chip" title="A photograph behind the plant. It stays in this page.">
+          photograph …
+          <input id="photograph" type="file" accept="image/*" class="hidden" onChange={(event) => choose(event.currentTarget.files?.[0])} />
+        </label>
+      )}
+      {url && (
+        <>
+          <label class="chip">photograph is <input id="photograph-height" type="number" min={0} step="any" value={height} onInput={(event) => event.currentTarget.valueAsNumber > 0 && setHeight(event.currentTarget.valueAsNumber)} /> high</label>
+          <button type="button" id="photograph-move" class="chip" aria-pressed={isHeld} title="Press it and drag the photograph in the view; or drag this button, or press arrow keys" onPointerDown={hold} onPointerMove={moved} onKeyDown={shifted} onClick={() => dragged.current < 4 && setHeld(!isHeld)}>move</button>
+          <label class="chip" title="How see-through the photograph is">photograph <input type="range" min={0.1} max={1} step={0.05} value={strength} onInput={(event) => setStrength(event.currentTarget.valueAsNumber)} /></label>
+          <label class="chip" title="How see-through the plant is">plant <input id="plant-strength" type="range" min={0.1} max={1} step={0.05} value={plantStrength} onInput={(event) => setPlantStrength(event.currentTarget.valueAsNumber)} /></label>
+          <IconButton icon="close" label="Remove the photograph" onClick={() => { URL.revokeObjectURL(url); setUrl(""); setWay([0, 0]); setHeld(false); }} />
+        </>
+      )}
+    </div>
+  );
+  return { overlay, tools, isUsed };
 }

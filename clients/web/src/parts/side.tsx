@@ -5,6 +5,7 @@ import { guessedRange, processesWritten } from "../studio/document.js";
 import type { Define } from "../studio/document.js";
 import { deleteSimulation } from "../studio/plants.js";
 import { linkTo } from "../studio/share.js";
+import { remarkOn } from "../studio/turns.js";
 import { ColourBoard } from "./colour_board.js";
 import { EnvironmentForm } from "./environment_form.js";
 import { IconButton } from "./icons.js";
@@ -75,6 +76,7 @@ function Parameters({ studio }: { studio: Studio }) {
             <input id={`define-${define.name}`} type="range" min={low} max={high} step={step} value={define.value}
               onInput={(event) => slide(event.currentTarget.valueAsNumber, false)} onChange={(event) => slide(event.currentTarget.valueAsNumber, true)} />
             {define.comment && <small>{define.comment}</small>}
+            {remarkOn(studio.document, define) && <small class="remark" role="status">{remarkOn(studio.document, define)}</small>}
           </div>
         );
       })}

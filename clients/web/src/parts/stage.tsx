@@ -6,7 +6,7 @@ import type { ColourMode } from "../view/colours.js";
 import { withMoved } from "../view/surroundings.js";
 import { IconButton } from "./icons.js";
 import { BesideStage } from "./beside.js";
-import { Photograph } from "./photograph.js";
+import { usePhotograph } from "./photograph.js";
 
 export const MODES: Array<[ColourMode, string]> = [
   ["model", "colours of the model"],
@@ -166,9 +166,11 @@ export function Stage({ studio, canvas, onPick }: { studio: Studio; canvas: HTML
   }, []);
   const { environment } = studio.document;
   useEffect(() => studio.view?.surround(environment ?? []), [environment]);
+  const { overlay, tools, isUsed } = usePhotograph(studio);
   const settings = studio.view?.settings;
   const figures = studio.view?.surroundings.figures();
   return (
+    <div class={`viewing ${isUsed ? "used" : ""}`}>
     <div class={`stage ${studio.beside.growth ? "two" : ""}`}>
       <div id="plant" ref={place} role="img" aria-label={`The plant at step ${studio.step}`} />
       {problem && <p class="cover">{problem}</p>}
@@ -190,9 +192,11 @@ export function Stage({ studio, canvas, onPick }: { studio: Studio; canvas: HTML
         </div>
       )}
       {studio.beside.growth && <BesideStage studio={studio} />}
-      <Photograph studio={studio} />
+      {overlay}
       <LegendBox studio={studio} />
       <ScaleBar studio={studio} />
+    </div>
+    {tools}
     </div>
   );
 }

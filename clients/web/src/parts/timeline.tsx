@@ -22,7 +22,7 @@ export function Timeline({ studio }: { studio: Studio }) {
         )}
         <input id="scrub" type="range" min={0} max={Math.max(length, step, 1)} step={1} value={step} disabled={!has || isRunning || !isOwn}
           aria-label="Step" onInput={(event) => void studio.act(() => studio.goTo(Number(event.currentTarget.value)))} />
-        {studio.recording && <button type="button" id="stop-film" class="recording" onClick={() => studio.recording?.abort()}>Stop recording</button>}
+        {studio.longWork && <button type="button" id="stop-work" class="recording" onClick={() => studio.longWork?.stop.abort()}>Stop {studio.longWork.name}</button>}
         <output id="state" aria-live="polite">
           step {step} of {Math.max(length, step)}{isFinished ? ", finished" : ""}
         </output>

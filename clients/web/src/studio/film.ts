@@ -1,21 +1,21 @@
-// The growth of a plant as a film: the view draws each step, and the browser records it.
+// Films: the growth of a plant, or a turn around it. The view draws each picture, and the browser records it.
 import { nextFrame } from "../view/frames.js";
+import type { View } from "../view/scene.js";
 import type { Studio } from "./studio.js";
 
 const FRAME_MILLISECONDS = 100;
 const REST_MILLISECONDS = 1200; // of the last picture
 const MOST_FRAMES = 300;
+const TURN_FRAMES = 72;
+const TURN_MILLISECONDS = 70;
 
 const rest = (milliseconds: number) => new Promise((done) => setTimeout(done, milliseconds));
 
-/** Records from the first step to the present one. `signal` ends it early: the film has what was recorded. */
-export async function filmGrowth(studio: Studio, signal: AbortSignal): Promise<Blob> {
-  const view = studio.view!;
+/** Records what `pictures` draws; each of its numbers is the milliseconds for which the last picture stays. */
+async function record(view: View, pictures: AsyncIterable<number>): Promise<Blob> {
   if (typeof MediaRecorder === "undefined" || !MediaRecorder.isTypeSupported("video/webm")) {
-    throw new Error("This browser records no WebM. Save pictures of the steps with espalier run --every -o step%d.png instead.");
+    throw new Error("This browser records no WebM. Use espalier run with --every -o growth.webm, or with --turntable 48 -o turn.webm.");
   }
-  const last = studio.step;
-  const stride = Math.max(1, Math.ceil(last / MOST_FRAMES));
   const stream = view.renderer.domElement.captureStream(0);
   const [track] = stream.getVideoTracks() as CanvasCaptureMediaStreamTrack[];
   const recorder = new MediaRecorder(stream, { mimeType: "video/webm", videoBitsPerSecond: 8_000_000 });
@@ -24,26 +24,59 @@ export async function filmGrowth(studio: Studio, signal: AbortSignal): Promise<B
   const stopped = new Promise((done) => (recorder.onstop = done));
   try {
     recorder.start();
-    for (let step = 0; !signal.aborted; step = Math.min(step + stride, last)) {
-      await studio.goTo(step);
-      await drawn(studio, step, signal);
+    for await (const milliseconds of pictures) {
       track.requestFrame();
-      await rest(FRAME_MILLISECONDS);
-      if (step === last) {
-        // a second picture gives the last one its time
-        await rest(REST_MILLISECONDS);
-        track.requestFrame();
-        await rest(FRAME_MILLISECONDS);
-        break;
-      }
+      await rest(milliseconds);
     }
   } finally {
     recorder.stop();
     await stopped;
     track.stop();
-    await studio.goTo(last);
   }
   return new Blob(pieces, { type: "video/webm" });
+}
+
+/** Records from the first step to the present one. `signal` ends it early: the film has what was recorded. */
+export async function filmGrowth(studio: Studio, signal: AbortSignal): Promise<Blob> {
+  const last = studio.step;
+  const stride = Math.max(1, Math.ceil(last / MOST_FRAMES));
+  async function* steps() {
+    for (let step = 0; !signal.aborted; step = Math.min(step + stride, last)) {
+      await studio.goTo(step);
+      await drawn(studio, step, signal);
+      if (step === last) {
+        // a second picture gives the last one its time
+        yield REST_MILLISECONDS;
+        yield FRAME_MILLISECONDS;
+        return;
+      }
+      yield FRAME_MILLISECONDS;
+    }
+  }
+  try {
+    return await record(studio.view!, steps());
+  } finally {
+    await studio.goTo(last);
+  }
+}
+
+/** Records a turn around the plant; the camera ends where it was. */
+export async function filmTurn(studio: Studio, signal: AbortSignal): Promise<Blob> {
+  const view = studio.view!;
+  async function* turns() {
+    for (let i = 0; i < TURN_FRAMES && !signal.aborted; ++i) {
+      view.turn((2 * Math.PI) / TURN_FRAMES);
+      view.drawNow();
+      yield TURN_MILLISECONDS;
+    }
+  }
+  const place = view.camera.position.clone();
+  try {
+    return await record(view, turns());
+  } finally {
+    view.camera.position.copy(place);
+    view.controls.update();
+  }
 }
 
 async function drawn(studio: Studio, step: number, signal: AbortSignal): Promise<void> {

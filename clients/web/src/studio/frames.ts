@@ -7,10 +7,14 @@ import type { Studio } from "./studio.js";
 
 // of frames that are not shown
 const PATIENCE_MILLISECONDS = 800;
+// for which the page waits for the plant of a slider
+const TOGETHER_MILLISECONDS = 100;
 
 export class Frames {
   /** Ends when frames are shown again; null: they are shown. */
   held: Promise<void> | null = null;
+  private seen: () => void = () => {};
+  private next: Promise<void> | null = null; // ends with the next frame that is shown
   private statistics: Stream<"statistics"> | null = null;
   private columns: Stream<"columns"> | null = null;
   private made: () => void = () => {};
@@ -63,6 +67,14 @@ export class Frames {
     }
   }
 
+  /** While frames are held the page changes together with the plant: each picture of the page costs a browser as much as the plant. */
+  async withPlant(): Promise<void> {
+    if (this.held || this.studio.isSliding) {
+      this.next ??= new Promise((done) => (this.seen = done));
+      await Promise.race([this.next, new Promise((done) => setTimeout(done, TOGETHER_MILLISECONDS))]);
+    }
+  }
+
   private async readStatistics(stream: Stream<"statistics">): Promise<void> {
     for await (const frame of stream) {
       this.studio.stepped(frame);
@@ -101,6 +113,8 @@ export class Frames {
       view.update(geometry, isLater ? { ...change, isWhole: true } : change, step, finished);
       view.element.dataset.step = String(step);
     }
+    this.next = null;
+    this.seen();
   }
 
   private ended(stream: Stream<"statistics"> | Stream<"columns">): void {

@@ -54,7 +54,7 @@ export class Studio {
   picked: (Picked & { explanation: string | null }) | null = null;
   palette: ModelPalette | null = null;
   view: View | null = null;
-  recording: AbortController | null = null; // of a film
+  longWork: { stop: AbortController; name: string } | null = null; // beside the plant: a film, plants for an archive
   readonly extras = new Extras(this);
   readonly beside = new Beside(this);
   readonly fields = new Fields(this);
@@ -563,6 +563,11 @@ export class Studio {
       this.statistics = [];
       await this.advance(until);
     });
+  }
+
+  /** A slider's value waits for its derivation. */
+  get isSliding(): boolean {
+    return this.wanted !== null;
   }
 
   /** A slider moves: only the newest value is derived. The text follows; it is built anew only for other changes. */

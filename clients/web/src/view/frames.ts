@@ -19,7 +19,7 @@ export const nextFrame = (): Promise<void> => new Promise(onNextFrame);
 
 const SLOW_MILLISECONDS = 250;
 const SLOW_PICTURES = 3; // in a row
-const LOOK_MILLISECONDS = 20;
+const LOOK_MILLISECONDS = 8;
 const LOST_MILLISECONDS = 10_000;
 
 /** Knows whether the graphics card still draws, and when its pictures take long. */

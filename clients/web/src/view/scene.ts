@@ -77,6 +77,7 @@ export class View {
   private hasBackground = true;
   private isComplete = false; // the first picture has neither shadows, ground nor sky: their programs take long to make
   private isDrawing = false;
+  private isDue = false; // as soon as the picture before is ready
   private readonly size = new Vector2(); // of the element
   private isTurned = false; // by a person, who does not want it turned back
   private other: Object3D | null = null; // an object of a file instead of the columns
@@ -94,7 +95,7 @@ export class View {
       this.plants.tubes.isCoarse = true;
       this.onSlow();
     };
-    this.clock = new GpuClock(this.renderer.getContext() as WebGL2RenderingContext, slow, () => this.complete());
+    this.clock = new GpuClock(this.renderer.getContext() as WebGL2RenderingContext, slow, () => this.pictureReady());
     this.renderer.shadowMap.type = PCFShadowMap;
     element.append(this.renderer.domElement);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
@@ -243,11 +244,18 @@ export class View {
 
   /** A picture waits until the one before it is ready: pictures that queue up would hold up the whole page. */
   private drawWhenIdle(): void {
-    if (this.clock.isBusy) {
-      setTimeout(() => this.drawWhenIdle(), 20);
-    } else {
+    this.isDue = this.clock.isBusy;
+    if (!this.isDue) {
       this.isDrawing = false;
       this.drawNow();
+    }
+  }
+
+  /** The last picture is ready. */
+  private pictureReady(): void {
+    this.complete();
+    if (this.isDue) {
+      this.drawWhenIdle();
     }
   }
 
@@ -304,6 +312,7 @@ export class View {
       // another size empties the canvas; in the beginning there is nothing to draw
       if (x > 0) {
         this.drawNow();
+        this.onFitted(); // a pixel shows another length
       } else {
         this.draw();
       }
@@ -404,6 +413,13 @@ export class View {
     this.camera.position.copy(this.controls.target).add(direction.normalize().multiplyScalar(distance));
     this.controls.update();
     this.draw();
+  }
+
+  /** Turns the camera about the vertical through what it looks at. */
+  turn(angle: number): void {
+    const { camera, controls } = this;
+    camera.position.sub(controls.target).applyAxisAngle(new Vector3(0, 1, 0), angle).add(controls.target);
+    controls.update();
   }
 
   private casterAt(clientX: number, clientY: number): Raycaster {
