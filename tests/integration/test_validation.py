@@ -30,8 +30,17 @@ class Validation(unittest.TestCase):
 
     def test_the_quick_benchmarks_meet_their_tolerances(self) -> None:
         data = ["--data", str(PUBLISHED)] if PUBLISHED.is_dir() else []
-        run = espalier("validate", "--quick", *data, "--plot", str(self.folder / "plots"))
+        page = self.folder / "page.md"
+        run = espalier("validate", "--quick", *data, "--plot", str(self.folder / "plots"), "--page", str(page))
         table = rows(run.stdout)
+        # they run beside each other, and are printed in their order all the same
+        listed = [line.split("\t")[0] for line in espalier("validate", "--list").stdout.splitlines()]
+        order = [listed.index(row["case"]) for row in table]
+        self.assertEqual(order, sorted(order))
+        # 40 s on two cores
+        times = [float(seconds) for seconds in re.findall(r"Took [0-9.]+ s, ([0-9.]+) s of the processor", page.read_text(encoding="utf-8"))]
+        self.assertEqual(len(times), len(set(order)))
+        self.assertLess(sum(times), 80, times)
         self.assertEqual({row["result"] for row in table} - {"reported"}, {"met"}, run.stdout)
         cases = {row["case"] for row in table}
         self.assertLessEqual({"rami-quick", "sun", "m2.2", "fao56", "skies"}, cases)
@@ -255,7 +264,7 @@ class Validation(unittest.TestCase):
         text = page.read_text(encoding="utf-8")
         self.assertIn("## m3.1\n\nheads in one root", text)
         self.assertEqual([line for line in text.splitlines() if line.startswith("## ")], ["## m3.1", "## root-conductance"])
-        self.assertRegex(text, r"Landsberg & Fowkes 1978\)\. Took [0-9.]+ s\.")
+        self.assertRegex(text, r"Landsberg & Fowkes 1978\)\. Took [0-9.]+ s, [0-9.]+ s of the processor\.")
         self.assertIn(f"{text.count('| met |')} comparisons met their tolerance, 0 did not.", text)
         self.assertRegex(text, r"\| roots of 0.01 to 4000 cm, relative \| [0-9.e-]+ \| 1e-09 \| met \|  \|")
         self.assertIn("![m3.1](../plots/m3.1.svg)", text)

@@ -1,7 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -14,7 +12,7 @@
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/validation/built_in_tables.h"
-#include "clients/espalier/validation/reference_table.h"
+#include "clients/espalier/validation/case_runs.h"
 #include "clients/espalier/validation/result_plot.h"
 #include "clients/espalier/validation/validation.h"
 #include "server/remote/disk_files.h"
@@ -92,13 +90,16 @@ std::string leftOut(const validation::CaseResult& result, const std::string& mis
 }
 
 /// The part of a page about one case with the addresses of its pictures.
-std::string pagePart(const validation::Case& one, const validation::CaseResult& result, double seconds,
+std::string pagePart(const validation::Case& one, const validation::CaseResult& result, const validation::Duration& took,
                      const std::vector<std::string>& pictures) {
-  char took[40];
-  std::snprintf(took, sizeof took, "%.*f s", seconds < 10.0 ? 1 : 0, seconds);
+  const auto secondsOf = [](double seconds) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.*f s", seconds < 10.0 ? 1 : 0, seconds);
+    return std::string(text);
+  };
   std::string part = kPartBegin + std::string(one.name) + "\n\n" + std::string(one.title) + ".";
   if (!result.rows.empty()) {
-    part += " Took " + std::string(took) + ".\n\n" +
+    part += " Took " + secondsOf(took.seconds) + ", " + secondsOf(took.processorSeconds) + " of the processor.\n\n" +
             "| compared | error | tolerance | result | published programs |\n|---|---:|---:|---|---|";
   }
   part += "\n";
@@ -207,6 +208,53 @@ std::optional<std::vector<std::string>> writePictures(const validation::Case& on
   return addresses;
 }
 
+/// What is printed and written of the cases.
+class Report {
+ public:
+  /// `parts` are those of the page, by case.
+  Report(const ValidateOptions& options, std::map<std::string, std::string>& parts) : options_(options), parts_(parts) {}
+
+  /// Prints a case and writes its pictures and its part of the page; false after an error.
+  bool add(const validation::Run& run) {
+    if (!run.tableError.empty()) {
+      printError(options_.data + ": " + run.tableError);
+      return false;
+    }
+    const std::string name(run.one->name);
+    isMet_ = printRows(*run.one, run.result, run.took.seconds) && isMet_;
+    if (!run.result.missing.empty()) {
+      (run.result.rows.empty() ? leftOutWhole_ : leftOutInPart_).push_back(name);
+    }
+    const auto pictures = writePictures(*run.one, run.result, options_);
+    if (!pictures) {
+      return false;
+    }
+    if (run.result.rows.empty() && parts_.contains(name)) {
+      printNote("the part '" + name + "' of '" + options_.page +
+                "' stays: without the missing tables it has no results");
+    } else {
+      parts_[name] = pagePart(*run.one, run.result, run.took, *pictures);
+    }
+    return true;
+  }
+
+  /// Says what was left out; false when a result was beyond its tolerance.
+  [[nodiscard]] bool end() const {
+    printLeftOut(leftOutWhole_, leftOutInPart_);
+    if (!isMet_) {
+      printError("at least one result is beyond its tolerance: look for NOT MET above");
+    }
+    return isMet_;
+  }
+
+ private:
+  const ValidateOptions& options_;
+  std::map<std::string, std::string>& parts_;
+  std::vector<std::string> leftOutWhole_;
+  std::vector<std::string> leftOutInPart_;
+  bool isMet_ = true;
+};
+
 int validate(const ValidateOptions& options) {
   if (options.isList) {
     for (const validation::Case& one : validation::cases()) {
@@ -239,33 +287,9 @@ int validate(const ValidateOptions& options) {
     parts = partsOfPage(page);
   }
   std::printf("case\twhat\terror\ttolerance\tresult\tpublished programs\tseconds of the case\n");
-  bool isMet = true;
-  std::vector<std::string> leftOutWhole;
-  std::vector<std::string> leftOutInPart;
-  for (const validation::Case* one : chosen) {
-    const auto begin = std::chrono::steady_clock::now();
-    validation::CaseResult result;
-    try {
-      result = one->run(data);
-    } catch (const validation::TableError& error) {
-      printError(options.data + ": " + error.what());
-      return kFailure;
-    }
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
-    isMet = printRows(*one, result, seconds.count()) && isMet;
-    if (!result.missing.empty()) {
-      (result.rows.empty() ? leftOutWhole : leftOutInPart).emplace_back(one->name);
-    }
-    const auto pictures = writePictures(*one, result, options);
-    if (!pictures) {
-      return kFailure;
-    }
-    if (result.rows.empty() && parts.contains(std::string(one->name))) {
-      printNote("the part '" + std::string(one->name) + "' of '" + options.page +
-                "' stays: without the missing tables it has no results");
-      continue;
-    }
-    parts[std::string(one->name)] = pagePart(*one, result, seconds.count(), *pictures);
+  Report report(options, parts);
+  if (!validation::runCases(chosen, data, [&](const validation::Run& run) { return report.add(run); })) {
+    return kFailure;
   }
   if (!options.page.empty()) {
     if (const auto problem = server::writeFileAtomically(options.page, pageOf(parts))) {
@@ -274,11 +298,7 @@ int validate(const ValidateOptions& options) {
     }
     printNote("wrote " + options.page);
   }
-  printLeftOut(leftOutWhole, leftOutInPart);
-  if (!isMet) {
-    printError("at least one result is beyond its tolerance: look for NOT MET above");
-  }
-  return isMet ? kSuccess : kFailure;
+  return report.end() ? kSuccess : kFailure;
 }
 
 }  // namespace

@@ -76,10 +76,10 @@ struct Light {
 [[nodiscard]] std::string listOf(const std::vector<double>& numbers);
 
 /// The fluxes of all bands in a square stand from 0 to `side` that repeats itself, by the process `light`, over a
-/// ground of so many squares along each side.
+/// ground of so many squares along each side. A quick case has one thread (case_runs.h).
 [[nodiscard]] std::vector<Fluxes> rayFluxes(const environment::Canopy& canopy, double side,
                                             const std::vector<Band>& bands, const Light& light, int directions,
-                                            int groundCells);
+                                            int groundCells, int threads = 2);
 
 /// A box of voxels with leaves, which repeats itself.
 struct Voxels {

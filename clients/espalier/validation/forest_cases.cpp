@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "clients/espalier/validation/canopy_fluxes.h"
 #include "clients/espalier/validation/reference_table.h"
@@ -116,17 +120,19 @@ std::vector<Fluxes> fluxesOf(const Canopy& canopy, const ForestRows& group, bool
   const int groundCells = isQuick ? 50 : 125;  // of 5 or 2 m
   std::vector<Band> bands = group.bands;
   bands.emplace_back();
-  return rayFluxes(canopy, kPlot, bands, lightOfGroup(group), 16, groundCells);
+  return rayFluxes(canopy, kPlot, bands, lightOfGroup(group), 16, groundCells, isQuick ? 1 : 2);
 }
 
-/// What a process makes of the forests of a density, beside the published fluxes and the Monte Carlo run.
+/// What a process makes of the forests of a density under one light, beside the published fluxes and the Monte Carlo
+/// run.
 struct Comparison {
-  Largest published;
-  Largest own;                     // the Monte Carlo run on the same crowns
-  LargestError unscattered;        // light past black leaves, of the Monte Carlo run
-  LargestError unscatteredInFine;  // the same in voxels of half the size
+  std::string zenith;              // as in the table
+  Largest published, own;          // own: the Monte Carlo run on the same crowns
+  double unscattered = NAN;        // light past black leaves, of the Monte Carlo run
+  double unscatteredInFine = NAN;  // the same in voxels of half the size
 
-  void add(const ReferenceTable& table, const ForestRows& group, const std::vector<Fluxes>& fluxes) {
+  Comparison(const ReferenceTable& table, const ForestRows& group, const std::vector<Fluxes>& fluxes)
+      : zenith(group.zenith) {
     for (std::size_t i = 0; i < group.rows.size(); ++i) {
       const auto number = [&](const char* column) { return table.number(group.rows[i], column); };
       published.add(fluxes[i], number("absorbed"), number("reflected"), number("down_at_ground"));
@@ -134,6 +140,35 @@ struct Comparison {
     }
   }
 };
+
+/// How far the fluxes of a process may be off; nothing: reported only.
+struct Tolerances {
+  std::optional<double> published, publishedOfLowSun, own, ownOfLowSun, unscattered, unscatteredOfLowSun;
+};
+
+/// The rows of all lights, the high sun first, and the balance.
+void addComparisons(std::vector<Comparison> comparisons, const Tolerances& tolerances, CaseResult& result) {
+  std::sort(comparisons.begin(), comparisons.end(), [](const Comparison& a, const Comparison& b) {
+    return std::pair(isLow(a.zenith), a.zenith) < std::pair(isLow(b.zenith), b.zenith);
+  });
+  std::vector<Largest> balances;
+  for (const Comparison& one : comparisons) {
+    const bool isLowSun = isLow(one.zenith);
+    const std::string name = one.zenith == "uniform" ? "uniform sky"
+                             : isLowSun              ? "83.5 degrees, mean of 16 azimuths"
+                                                     : one.zenith.substr(0, 2) + " degrees";
+    one.published.addTo(result, name + ", published", isLowSun ? tolerances.publishedOfLowSun : tolerances.published);
+    one.own.addTo(result, name + ", Monte Carlo on these crowns", isLowSun ? tolerances.ownOfLowSun : tolerances.own);
+    result.rows.push_back({name + ", past black leaves", one.unscattered,
+                           isLowSun ? tolerances.unscatteredOfLowSun : tolerances.unscattered, ""});
+    if (!std::isnan(one.unscatteredInFine)) {
+      result.rows.push_back({name + ", past black leaves, voxels of 0.5 m", one.unscatteredInFine,
+                             isLowSun ? std::nullopt : std::optional(0.010), ""});
+    }
+    balances.push_back(one.published);
+  }
+  addBalance(result, balances);
+}
 
 /// The light that crowns absorb, in the order of the table.
 class AbsorbedCurves {
@@ -175,30 +210,26 @@ CaseResult openForest(const Data& data, const std::string& spheres, const std::s
   const bool isWhole = onlyZenith.empty();
   // of a crown; with 2000 the light that 239 crowns absorb differs by 0.0104
   const Canopy canopy = leavesOf(crownsOf(*places), isWhole ? 5000 : 2000);
-  Comparison high;
-  Comparison low;
+  std::vector<Comparison> comparisons;
   AbsorbedCurves curves(spheres);
   for (const ForestRows& group : forestRows(*table, spheres)) {
     if (!isWhole && group.zenith != onlyZenith) {
       continue;
     }
     const std::vector<Fluxes> fluxes = fluxesOf(canopy, group, !isWhole);
-    Comparison& comparison = isLow(group.zenith) ? low : high;
-    comparison.add(*table, group, fluxes);
-    comparison.unscattered.add(std::abs(fluxes.back().down - table->number(group.rows.front(), "mc_unscattered")));
+    comparisons.emplace_back(*table, group, fluxes);
+    comparisons.back().unscattered = std::abs(fluxes.back().down - table->number(group.rows.front(), "mc_unscattered"));
     curves.add(*table, group, fluxes);
   }
-  high.published.addTo(
-      result, isWhole ? "27 and 60 degrees and diffuse, published" : onlyZenith + " degrees, published", 0.010);
-  high.own.addTo(result, "the same, Monte Carlo on these crowns", 0.006);
-  result.rows.push_back({"the same, past black leaves", high.unscattered.value(), 0.006, ""});
-  if (isWhole) {
-    low.own.addTo(result, "83.5 degrees, mean of 16 azimuths, Monte Carlo on these crowns", 0.012);
-    result.rows.push_back({"the same, past black leaves", low.unscattered.value(), 0.012, ""});
-    low.published.addTo(result, "the same, published", std::nullopt);
-  }
+  addComparisons(std::move(comparisons),
+                 {.published = 0.010,
+                  .publishedOfLowSun = std::nullopt,
+                  .own = 0.006,
+                  .ownOfLowSun = 0.012,
+                  .unscattered = 0.006,
+                  .unscatteredOfLowSun = 0.012},
+                 result);
   curves.addTo(result);
-  addBalance(result, isWhole ? std::vector{high.published, low.published} : std::vector{high.published});
   return result;
 }
 
@@ -225,30 +256,26 @@ CaseResult openForestInVoxels(const Data& data, const std::string& spheres) {
   }
   const Voxels voxels = voxelsOf(crownsOf(*places), 1);
   const Voxels fine = voxelsOf(crownsOf(*places), 2);
-  Comparison high;
-  Comparison low;
+  std::vector<Comparison> comparisons;
   AbsorbedCurves curves(spheres);
   for (const ForestRows& group : forestRows(*table, spheres)) {
     const Light light = lightOfGroup(group);
     const std::vector<Fluxes> fluxes = voxelFluxes(voxels, group.bands, light);
-    Comparison& comparison = isLow(group.zenith) ? low : high;
-    comparison.add(*table, group, fluxes);
+    comparisons.emplace_back(*table, group, fluxes);
     curves.add(*table, group, fluxes);
     const double passed = table->number(group.rows.front(), "mc_unscattered");
-    comparison.unscattered.add(std::abs(passedVoxels(voxels, light) - passed));
-    comparison.unscatteredInFine.add(std::abs(passedVoxels(fine, light) - passed));
+    comparisons.back().unscattered = std::abs(passedVoxels(voxels, light) - passed);
+    comparisons.back().unscatteredInFine = std::abs(passedVoxels(fine, light) - passed);
   }
-  high.published.addTo(result, "27 and 60 degrees and diffuse, published", 0.020);
-  high.own.addTo(result, "the same, Monte Carlo on these crowns", 0.020);
-  result.rows.push_back({"the same, past black leaves", high.unscattered.value(), std::nullopt, ""});
-  result.rows.push_back({"the same, past black leaves, voxels of 0.5 m", high.unscatteredInFine.value(), 0.010, ""});
-  low.own.addTo(result, "83.5 degrees, mean of 16 azimuths, Monte Carlo on these crowns", 0.020);
-  result.rows.push_back({"the same, past black leaves", low.unscattered.value(), std::nullopt, ""});
-  result.rows.push_back(
-      {"the same, past black leaves, voxels of 0.5 m", low.unscatteredInFine.value(), std::nullopt, ""});
-  low.published.addTo(result, "the same, published", std::nullopt);
+  addComparisons(std::move(comparisons),
+                 {.published = 0.020,
+                  .publishedOfLowSun = std::nullopt,
+                  .own = 0.020,
+                  .ownOfLowSun = 0.020,
+                  .unscattered = std::nullopt,
+                  .unscatteredOfLowSun = std::nullopt},
+                 result);
   curves.addTo(result);
-  addBalance(result, {high.published, low.published});
   return result;
 }
 

@@ -177,7 +177,7 @@ double passedInVoxels(const BlackLayer& row) {
 }
 
 /// Leaves at random in a layer whose normals have the distribution of a row.
-double passedLeaves(const BlackLayer& row, std::size_t leaves) {
+double passedLeaves(const BlackLayer& row, std::size_t leaves, int threads) {
   constexpr double kSide = 10.0;
   Canopy canopy;
   const LeafAngleTable angles(row.leaves, row.ratio);
@@ -188,7 +188,7 @@ double passedLeaves(const BlackLayer& row, std::size_t leaves) {
     canopy.leaf(place, {core::sin(angle) * core::cos(azimuth), core::cos(angle), core::sin(angle) * core::sin(azimuth)},
                 row.index * kSide * kSide / static_cast<double>(leaves));
   }
-  return rayFluxes(canopy, kSide, {Band{}}, row.lightOfRow(), 16, 16).front().down;
+  return rayFluxes(canopy, kSide, {Band{}}, row.lightOfRow(), 16, 16, threads).front().down;
 }
 
 /// What passes below 60° of the zenith by the kind of leaves, and the closed form.
@@ -218,7 +218,7 @@ CaseResult blackLayers(const Data&) {
     (row.isBeam() ? beams : skies).add(std::abs(passedInVoxels(row) - row.exact()));
     // some with leaves; all of them are the case layers-light
     if (row.leaves == "spherical" && row.index == 1.0 && (row.light == "zenith60" || row.light == "uniform")) {
-      leaves.add(std::abs(passedLeaves(row, 40'000) - row.exact()));
+      leaves.add(std::abs(passedLeaves(row, 40'000, 1) - row.exact()));
     }
   }
   result.rows = {{"light-voxels, beams", beams.value(), 1e-6, ""},
@@ -237,7 +237,7 @@ CaseResult blackLayersOfLeaves(const Data&) {
   result.curves = {{"light", false, {}}, {"exact", true, {}}};
   double number = 0.0;
   for (const BlackLayer& row : blackLayerRows()) {
-    const double passed = passedLeaves(row, 200'000);
+    const double passed = passedLeaves(row, 200'000, 2);
     (row.isBeam() ? beams : skies).add(std::abs(passed - row.exact()));
     number += 1.0;
     result.curves[0].points.emplace_back(number, passed);
@@ -310,8 +310,8 @@ void addDisc(Canopy& canopy, double radius, double height, std::uint8_t colour) 
 
 /// A sphere of triangles that together have its surface: from far away they are as large as it is.
 void addSphere(Canopy& canopy, const Vec3& centre, double radius, std::uint8_t colour) {
-  constexpr int kAcross = 64;
-  constexpr int kUp = 32;
+  constexpr int kAcross = 32;
+  constexpr int kUp = 16;
   const auto corner = [](int i, int k) {
     const double zenith = pi * k / kUp;
     const double angle = 2.0 * pi * i / kAcross;
