@@ -228,7 +228,30 @@ std::vector<turtle::Field> SoilBody::fields() const {
   if (keys_.acidity) {
     add("pH", "1", [&](std::size_t cell) { return phOf(cell); });
   }
+  addBalance(fields);
   return fields;
+}
+
+void SoilBody::addBalance(std::vector<turtle::Field>& fields) const {
+  const RichardsSolver::Shape& shape = water_->shape();
+  const double base = shape.cellSize[0] * shape.cellSize[1] * static_cast<double>(shape.columns[0] * shape.columns[1]);
+  const RichardsSolver::Balance& balance = water_->state().balance;
+  // one cell as large as the box
+  turtle::Field whole;
+  whole.unit = lengthUnit_;
+  whole.position = fields.front().position;
+  const auto& counts = fields.front().cells;
+  const core::Vec3& size = fields.front().cellSize;
+  whole.cellSize = {size.x * static_cast<double>(counts[0]), size.y * static_cast<double>(counts[1]),
+                    size.z * static_cast<double>(counts[2])};
+  for (const auto& [name, amount] : {std::pair{"storedWater", water_->storedWater()},
+                                     {"infiltrated", balance.infiltrated},
+                                     {"drained", balance.drained},
+                                     {"runOff", balance.runOff}}) {
+    whole.name = name;
+    whole.values = {amount / base};
+    fields.push_back(whole);
+  }
 }
 
 std::vector<double> SoilBody::numbers() const {

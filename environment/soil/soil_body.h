@@ -58,6 +58,9 @@ class SoilBody {
 
  private:
   void fill();
+  /// Water in the box and through its borders since the beginning, on a unit of its base; `fields` has others of the
+  /// box.
+  void addBalance(std::vector<turtle::Field>& fields) const;
   [[nodiscard]] double rainFrom(double day, double& until) const;
   [[nodiscard]] double evaporationFrom(double day, double& until) const;
   [[nodiscard]] double meanOfHour(std::string_view quantity, double day, double& until) const;

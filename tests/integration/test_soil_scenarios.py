@@ -35,7 +35,7 @@ class SoilScenarios(unittest.TestCase):
         (self.folder / "soil.json").write_text(json.dumps({"type": "soil-water", "layers": [layer], **keys}), encoding="utf-8")
         (self.folder / "world.json").write_text(json.dumps({"lengthUnit": "cm", "stepDuration": f"{days} d"}), encoding="utf-8")
         subprocess.run([program(), "run", "soil.l", "--world", "world.json", "--environment", "soil.json", "--every", "--steps", str(steps),
-                        "-o", "plant-%04d.csv", "--field", "waterContent=water-%04d.raw"], cwd=self.folder, check=True, capture_output=True,
+                        "-o", "plant-%04d.csv", "--field", "waterContent=water-%04d.raw", "--field", "infiltrated=through-%04d.raw"], cwd=self.folder, check=True, capture_output=True,
                        timeout=120)
         return [numpy.fromfile(self.folder / f"water-{step:04d}.raw")[::-1] for step in range(1, steps + 1)]
 
@@ -53,6 +53,19 @@ class SoilScenarios(unittest.TestCase):
                     depths = height * (numpy.arange(cells) + 0.5)
                     middle = 0.5 * float(ours.max() + ours.min())
                     self.assertAlmostEqual(float(numpy.interp(-middle, -ours, depths)), depth_of(column, middle), delta=0.3)
+
+    def test_evaporation_from_another_soil(self) -> None:
+        depth, cells = 60.0, 80
+        self.contents(SANDY_LOAM, 4, 0.5, gridSize=[1, cells, 1], cellSize=[1, depth / cells, 1], position=[0, -depth, 0], growth=1.08,
+                      initialHead=-60, evaporation=[[0, 0.4]], driestHead=-10000, bottom="closed")
+        evaporated = [-float(numpy.fromfile(self.folder / f"through-{step:04d}.raw")[0]) for step in range(1, 5)]
+        heights = graded(depth, 0.002, 1.06, 0.5)
+        column = Column(SANDY_LOAM, heights, numpy.full(len(heights), -60.0), evaporation=0.4)
+        for amount in evaporated:
+            column.pass_until(0.5, 1e-5)
+            with self.subTest(amount=amount):
+                self.assertGreater(amount, 0.1)
+                self.assertAlmostEqual(amount / -column.entered, 1.0, delta=0.02)
 
     def test_the_carried_rates_of_the_third_scenario_of_m2_2_are_those_of_the_solver(self) -> None:
         table = REPOSITORY / "clients" / "espalier" / "validation" / "tables" / "m22_evaporation.tsv"

@@ -197,6 +197,40 @@ TEST(SoilWater, StonesHoldNoWaterAndTheWeatherChanges) {
   EXPECT_GT(*answerAt(*process, top)[2], dry + 0.05) << "after the rain of the fourth day";
 }
 
+turtle::Field fieldOf(turtle::EnvironmentProcess& process, const std::string& name) {
+  for (turtle::Field& field : process.fields()) {
+    if (field.name == name) {
+      return std::move(field);
+    }
+  }
+  ADD_FAILURE() << "there is no field " << name;
+  return {};
+}
+
+TEST(SoilWater, FieldsOfTheWholeBoxAreItsBalanceOnAUnitOfItsBase) {
+  // 0.3 m of rain on two columns with cells that grow, of which a part runs off and a part leaves at the bottom
+  const auto process =
+      openProcess("soil-water", R"({"gridSize":[2,10,1],"cellSize":[0.5,0.1,0.5],"growth":1.3,"position":[2,-1,3],)"
+                                R"("layers":[[1,0.1,0.4,1,1.5,0.2]],"initialHead":-0.5,"rain":[[0,0.3]]})");
+  const double before = fieldOf(*process, "storedWater").values.at(0);
+  EXPECT_GT(before, 0.1);
+  EXPECT_LT(before, 0.4);
+  ASSERT_FALSE(process->tick(0).has_value());
+  const turtle::Field stored = fieldOf(*process, "storedWater");
+  const double infiltrated = fieldOf(*process, "infiltrated").values.at(0);
+  const double drained = fieldOf(*process, "drained").values.at(0);
+  const double runOff = fieldOf(*process, "runOff").values.at(0);
+  EXPECT_GT(drained, 0.01);
+  EXPECT_GT(runOff, 0.01);
+  EXPECT_NEAR(infiltrated + runOff, 0.3, 1e-12);
+  EXPECT_NEAR(stored.values[0] - before, infiltrated - drained, 1e-12);
+  // one cell as large as the box
+  EXPECT_EQ(stored.unit, "m");
+  EXPECT_EQ(stored.cells, (std::array<std::size_t, 3>{1, 1, 1}));
+  EXPECT_EQ(stored.position, (core::Vec3{2, -1, 3}));
+  EXPECT_EQ(stored.cellSize, (core::Vec3{1, 1, 0.5}));
+}
+
 TEST(SoilWater, TheWeathersRainTakesThePlaceOfItsOwn) {
   // 2 mm/h from 6 to 12 h: 12 mm in the day, on dry ground that lets all in; what the key says does not count
   turtle::EnvironmentContext context;
@@ -215,6 +249,7 @@ TEST(SoilWater, TheWeathersRainTakesThePlaceOfItsOwn) {
   const double before = stored();
   ASSERT_FALSE(process->tick(0).has_value());
   EXPECT_NEAR(stored() - before, 0.012, 1e-9);
+  EXPECT_NEAR(fieldOf(*process, "infiltrated").values.at(0), 0.012, 1e-12);
   ASSERT_FALSE(process->tick(1).has_value());
   EXPECT_NEAR(stored() - before, 0.012, 1e-9);
   const auto error = process->tick(2);
@@ -293,7 +328,7 @@ TEST(SoilWater, FieldsShowWhatQueriesSee) {
       openProcess("soil-water", "{" + kColumn + R"(,"initially":"waterTable","bottom":"closed","acidity":true,)" +
                                     R"("solutes":[[0.5,0,0,0,0,0]]})");
   const auto fields = process->fields();
-  ASSERT_EQ(fields.size(), 4U);
+  ASSERT_EQ(fields.size(), 8U) << "four of the cells, four of the whole box";
   EXPECT_EQ(fields[0].name, "waterContent");
   EXPECT_EQ(fields[1].unit, "m");
   EXPECT_EQ(fields[0].cells, (std::array<std::size_t, 3>{1, 10, 1}));
