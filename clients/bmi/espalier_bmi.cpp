@@ -147,7 +147,7 @@ void EspalierBmi::UpdateUntil(double time) {
     throw BmiError("the time " + numberText(time) + " is before " + numberText(current) +
                    ": a model does not go back. Initialize it again.");
   }
-  while (turtle::beginOfStep(now.settings.stepDurationDays, now.step + 1) <= until) {
+  while (turtle::beginOfStep(now.model.stepDays(), now.step + 1) <= until) {
     Update();
   }
 }
@@ -206,7 +206,7 @@ std::string EspalierBmi::GetVarLocation(std::string name) {
 
 double EspalierBmi::GetCurrentTime() {
   const Running& now = running();
-  return turtle::beginOfStep(now.settings.stepDurationDays, now.step);
+  return turtle::beginOfStep(now.model.stepDays(), now.step);
 }
 
 double EspalierBmi::GetStartTime() {
@@ -215,7 +215,7 @@ double EspalierBmi::GetStartTime() {
 
 double EspalierBmi::GetEndTime() {
   const Running& now = running();
-  return turtle::beginOfStep(now.settings.stepDurationDays, now.model.lastStep());
+  return turtle::beginOfStep(now.model.stepDays(), now.model.lastStep());
 }
 
 std::string EspalierBmi::GetTimeUnits() {
@@ -223,7 +223,7 @@ std::string EspalierBmi::GetTimeUnits() {
 }
 
 double EspalierBmi::GetTimeStep() {
-  return running().settings.stepDurationDays;
+  return running().model.stepDays();
 }
 
 void EspalierBmi::GetValue(std::string name, void* dest) {

@@ -103,7 +103,9 @@ Settings readSettings(const std::string& file) {
   if (has("derivationLength")) {
     settings.derivationLength = read["derivationLength"].get<std::uint64_t>();
   }
-  settings.stepDurationDays = has("stepDurationDays") ? read["stepDurationDays"].get<double>() : 1.0;
+  if (has("stepDurationDays")) {
+    settings.stepDurationDays = read["stepDurationDays"].get<double>();
+  }
   settings.outputs =
       has("outputs") ? read["outputs"].get<std::vector<std::string>>() : std::vector<std::string>{"modules", "height"};
   settings.inputs = has("inputs") ? read["inputs"].get<std::vector<std::string>>() : std::vector<std::string>{};

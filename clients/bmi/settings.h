@@ -16,7 +16,7 @@ struct Settings {
   std::string environment;  // JSON text: a text, an object or a list; empty: that of the model's folder
   std::uint64_t seed = 1;
   std::optional<std::uint64_t> derivationLength;
-  double stepDurationDays = 1.0;
+  std::optional<double> stepDurationDays;  // nothing: that of the world of the model's folder, else 1
   std::vector<std::string> inputs;
   std::vector<double> inputValues;  // at the start (inputs)
   std::vector<std::string> outputs;

@@ -10,10 +10,13 @@
 #include "engine/language/compiler.h"
 #include "engine/language/redefinition.h"
 #include "engine/simulation/snapshot_editing.h"
+#include "protocol/codec.h"
+#include "protocol/json_text.h"
 #include "server/remote/control_group.h"
 #include "server/remote/disk_files.h"
 #include "server/remote/models/gallery.h"
 #include "server/remote/models/model_files.h"
+#include "server/remote/translation/translate.h"
 
 namespace espalier::bmi {
 namespace {
@@ -56,6 +59,50 @@ server::ModelFiles filesOf(const Settings& settings) {
   return std::move(*found);
 }
 
+/// The world that a file says, with the table of weather that it names.
+turtle::World worldOf(const std::string& file, const std::string& text) {
+  server::DiskFileProvider files;
+  const auto orFail = [&file](auto read) {
+    if (!read) {
+      throw BmiError(file + ": " + read.error().message);
+    }
+    return std::move(*read);
+  };
+  if (const auto problem = protocol::jsonProblem(text)) {
+    throw BmiError(file + ": " + *problem);
+  }
+  const auto message = protocol::decodeMessage(R"({"jsonrpc":"2.0","method":"file","params":)" + text + "}");
+  if (!message) {
+    throw BmiError(file + ": " + message.error().error.message);
+  }
+  protocol::WorldRecord record = orFail(protocol::decodeWorld(message->payload));
+  if (!record.weather.empty()) {
+    auto table = files.read((std::filesystem::path(file).parent_path() / record.weather).string());
+    if (!table) {
+      throw BmiError(file + ": there is no table of weather '" + record.weather + "': check 'weather'.");
+    }
+    record.weather = std::move(*table);
+  }
+  auto world = server::toWorld(record);
+  if (!world) {
+    throw BmiError(file + ": " + world.error());
+  }
+  return std::move(*world);
+}
+
+/// The world of a model: that of its folder, with the step of the configuration. A file beside others has none.
+turtle::World worldOf(const server::ModelFiles& found, const Settings& settings) {
+  turtle::World world;
+  if (found.isFolder) {
+    const std::string file = (std::filesystem::path(found.model).parent_path() / "world.json").string();
+    if (const auto text = server::DiskFileProvider().read(file)) {
+      world = worldOf(file, *text);
+    }
+  }
+  world.stepDurationDays = settings.stepDurationDays.value_or(world.stepDurationDays);
+  return world;
+}
+
 bool hasVariable(const language::Program& program, const std::string& name) {
   const auto& names = program.systems.front().variables;
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -88,7 +135,7 @@ SteppedModel::SteppedModel(const Settings& settings) {
     return makeEnvironmentOf(settings, folderFile, compatibility);
   };
   options_.seed = settings.seed;
-  options_.world.stepDurationDays = settings.stepDurationDays;
+  options_.world = worldOf(found, settings);
   options_.hasSeed = true;
   options_.derivationLength = settings.derivationLength;
   options_.threads = server::processorCount();

@@ -21,6 +21,7 @@ class SteppedModel {
   void set(const std::vector<std::pair<std::string, double>>& values);
   /// One of the values of `outputs`.
   [[nodiscard]] double output(const std::string& name) const;
+  [[nodiscard]] double stepDays() const { return options_.world.stepDurationDays; }
   [[nodiscard]] std::uint64_t lastStep() const { return simulation_->derivationLength(); }
 
  private:

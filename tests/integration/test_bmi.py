@@ -185,6 +185,25 @@ class Model(unittest.TestCase):
                 model.update_until(2)
                 self.assertEqual((self.values(model)[1], model.get_end_time()), (height, 6.0))
 
+    def test_a_folder_has_its_world(self) -> None:
+        inner = self.folder / "inner"
+        inner.mkdir()
+        (inner / "inner.l").write_text("Lsystem: 1\nderivation length: 4\nAxiom: F(0)\nF(x) --> F(world.temperature)\nendlsystem\n", encoding="utf-8")
+        (inner / "world.json").write_text('{"stepDuration": "6 h", "start": "2026-06-21T00:00Z", "weather": "air.csv"}', encoding="utf-8")
+        (inner / "air.csv").write_text("time,temperature\n2026-06-21T00:00Z,10\n2026-06-21T06:00Z,20\n2026-06-22T06:00Z,20\n", encoding="utf-8")
+        for days, more in ((0.25, {}), (0.125, {"stepDurationDays": 0.125})):
+            with self.subTest(days):
+                model = self.model(model="inner", inputs=[], parameters={}, outputs=["sum:F:1"], **more)
+                model.update()
+                self.assertEqual((model.get_current_time(), model.get_time_step(), model.get_end_time()), (days, days, 4 * days))
+                first = self.values(model)[0]
+                model.update_until(3 * days)
+                self.assertLess(first, self.values(model)[0])
+        (inner / "world.json").write_text('{"stepDuration": "6 parsec"}', encoding="utf-8")
+        self.refused("stepDuration", lambda: self.model(model="inner", inputs=[], parameters={}))
+        (inner / "world.json").write_text('{"weather": "none.csv"}', encoding="utf-8")
+        self.refused("no table of weather 'none.csv'", lambda: self.model(model="inner", inputs=[], parameters={}))
+
     def test_the_configuration_is_not_the_environment_of_the_model(self) -> None:
         # m.json beside m.l
         self.assertEqual(self.values(self.model())[0], 1.0)

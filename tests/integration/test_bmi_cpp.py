@@ -228,6 +228,18 @@ class BmiInCpp(Installed):
         string = self.derived("m.l", "--environment", "shadow", "--seed", "3", "--steps", "2")
         self.assertEqual(float.fromhex(found[2].split()[3]), string.count("F("))
 
+    def test_a_folder_has_its_world(self) -> None:
+        # steps of 12 h, on which the model is as with stepDurationDays 0.5
+        folder = self.work / "tree"
+        folder.mkdir()
+        shutil.copy(self.work / "m.l", folder / "tree.l")
+        expected = self.driven("steps", self.configured())
+        (folder / "world.json").write_text('{"stepDuration": "12 h"}', encoding="utf-8")
+        self.assertEqual(self.driven("steps", self.configured(model="tree", stepDurationDays=None)), expected)
+        (folder / "world.json").write_text('{"stepDuration": "3 h"}', encoding="utf-8")
+        self.assertEqual(self.driven("steps", self.configured(model="tree")), expected)
+        self.assertNotEqual(self.driven("steps", self.configured(model="tree", stepDurationDays=None)), expected)
+
     def test_time_in_two_halves_is_time_in_one_piece(self) -> None:
         configuration = self.configured()
         self.assertEqual(self.driven("whole", configuration), self.driven("halves", configuration))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import base64
+import json
 import os
+from fractions import Fraction
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Union
+from typing import Any, Dict, List, Mapping, Optional, Union
 
 from .errors import EspalierError
 
@@ -14,6 +16,9 @@ ModelSource = Union[str, "os.PathLike[str]"]
 
 COMPANIONS = (".v", ".e", ".json", ".a", ".map", ".mat")
 MOST_BYTES = 32_000_000
+# units of a duration, as the server reads them
+DAYS_OF = {"s": Fraction(1, 86400), "min": Fraction(1, 1440), "h": Fraction(1, 24), "hour": Fraction(1, 24), "hours": Fraction(1, 24),
+           "": Fraction(1), "d": Fraction(1), "day": Fraction(1), "days": Fraction(1), "week": Fraction(7)}
 
 
 def reference(model: ModelSource) -> Dict[str, Any]:
@@ -29,6 +34,36 @@ def reference(model: ModelSource) -> Dict[str, Any]:
         return {"source": model}
     raise EspalierError(f"There is no model file or folder '{model}' (the working folder is {Path.cwd()}). A model of the "
                         "gallery is create(gallery=…), a source text has several lines.")
+
+
+def world(files: Mapping[str, str], step_days: Optional[float]) -> Optional[Dict[str, Any]]:
+    """The world that the world.json among the files of a whole folder says, with its weather and another step. The server
+    refuses what is wrong in it; None: there is neither a file nor a step."""
+    text = files.get("world.json")
+    try:
+        made = {} if text is None else json.loads(text)
+    except ValueError as error:
+        raise EspalierError(f"'world.json' of the model cannot be read as JSON ({error}): correct it.") from None
+    if not isinstance(made, dict):
+        raise EspalierError("'world.json' of the model is no JSON object: write one such as {\"stepDuration\": \"1 h\"}.")
+    table = made.get("weather")
+    if isinstance(table, str) and table:
+        if table not in files:
+            raise EspalierError(f"'world.json' of the model: there is no table of weather '{table}': check 'weather'.")
+        made["weather"] = files[table]
+    if step_days is not None:
+        made["stepDuration"] = step_days
+    return made or None
+
+
+def step_days(world: Optional[Mapping[str, Any]]) -> Fraction:
+    """The days of a step of a world that the server has taken."""
+    duration = (world or {}).get("stepDuration", 1)
+    if isinstance(duration, str):
+        number = duration.rstrip("adehikmnorsuwy ")
+        return Fraction(number) * DAYS_OF[duration[len(number):].strip()]
+    simple = Fraction(duration).limit_denominator(10_000_000)  # 0.1 stands for 1/10, so that ten steps are a day
+    return simple if float(simple) == float(duration) else Fraction(duration)
 
 
 def _names(folder: Path) -> List[str]:
@@ -49,6 +84,8 @@ def _files(folder: Path, main: Optional[str]) -> Dict[str, Any]:
         wanted = ["specifications"]
     else:
         wanted = [name for name in names if "/" not in name and Path(name).suffix in (".l", *COMPANIONS)]
+    if main is None and "world.json" in names:
+        wanted.append("world.json")
     contents: Dict[str, bytes] = {}
     total = 0
     while wanted:

@@ -20,7 +20,7 @@ from typing import Any, Callable, Dict, Mapping, Optional, Tuple, TypeVar
 from ..client import Simulation
 from ..errors import EspalierError
 from ..local_server import Local
-from ..model_folder import reference
+from ..model_folder import reference, step_days, world
 from .grids import BmiError
 
 Array = Any  # numpy.ndarray
@@ -96,9 +96,6 @@ class EspalierBmi:
         self.finalize()
         path = Path(config_file)
         settings = _configuration(path)
-        given = Fraction(settings.get("stepDurationDays", 1))
-        simple = given.limit_denominator(10_000_000)  # 0.1 stands for 1/10, so that ten steps are a day
-        self._days = simple if float(simple) == float(given) else given
         self._inputs = {name: numpy.array([float(settings["parameters"][name])]) for name in settings["inputs"]}
         self._outputs = {name: numpy.zeros(1) for name in settings["outputs"]}
         try:
@@ -114,10 +111,13 @@ class EspalierBmi:
         sent = None if "gallery" in settings else self._files(path, settings["model"])
         self._server = server = Local(settings.get("program"))
         loaded = None if sent is None else str(server.call("model.load", {"model": sent})["model"])
+        files = sent or server.call("model.read", {"gallery": settings["gallery"]})
+        made = world({} if sent and "main" in sent else files["files"], settings.get("stepDurationDays"))
         self._simulation = server.create(gallery=settings.get("gallery"), loaded=loaded, environment=settings.get("environment"),
                                          seed=settings.get("seed", 1), derivation_length=settings.get("derivationLength"),
                                          parameters=settings["parameters"] or None, save=False,
-                                         world={"stepDuration": float(self._days)} if "stepDurationDays" in settings else None)
+                                         world=made)
+        self._days = step_days(made)
         self._last = int(self._simulation.created["derivationLength"])
         self._read()
 
