@@ -450,7 +450,7 @@ class Xylem final : public turtle::EnvironmentProcess {
   }
 
   /// The mean flow out of a plant between two times, length³/day.
-  [[nodiscard]] double transpirationBetween(double rate, double from, double until) const {
+  [[nodiscard]] double ofDayCourse(double rate, double from, double until) const {
     if (!keys_.hasDayCourse) {
       return rate;
     }
@@ -459,6 +459,21 @@ class Xylem final : public turtle::EnvironmentProcess {
     const double begin = turn * (clock_ + from);
     const double end = turn * (clock_ + until);
     return rate * (1.0 - (core::sin(end) - core::sin(begin)) / (turn * days));
+  }
+
+  /// The mean flow that `transpiration` gives between two times, length³/day.
+  [[nodiscard]] double transpirationBetween(double from, double until) const {
+    // below it times are the same but for rounding
+    const double least = 1e-12 * std::max(1.0, until);
+    double sum = 0.0;
+    double begin = from;
+    while (until - begin > least) {
+      core::pollWork();
+      const double end = std::min(until, begin + std::max(keys_.transpiration.remaining(begin), least));
+      sum += ofDayCourse(keys_.transpiration.at(begin), begin, end) * (end - begin);
+      begin = end;
+    }
+    return begin > from ? sum / (begin - from) : keys_.transpiration.at(from);
   }
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> passTime(double timeDays, const PlantTrees& trees,
@@ -476,11 +491,12 @@ class Xylem final : public turtle::EnvironmentProcess {
       if (hasStomata()) {
         setAir(from, until, traits, plants, water);
       }
+      const double ofRows = transpirationBetween(from, until);
       for (const double asked : wanted) {
-        const double rate = keys_.transpiration.at(0.5 * (from + until)) + asked;
-        const double flow = transpirationBetween(rate, from, until);
-        conditions.push_back(
-            {.hasHead = keys_.hasCollarHead, .head = keys_.collarHead, .flow = flow, .lowestHead = keys_.lowestHead});
+        conditions.push_back({.hasHead = keys_.hasCollarHead,
+                              .head = keys_.collarHead,
+                              .flow = ofRows + ofDayCourse(asked, from, until),
+                              .lowestHead = keys_.lowestHead});
       }
       return conditions;
     };
@@ -488,8 +504,12 @@ class Xylem final : public turtle::EnvironmentProcess {
       if (auto problem = soil_->problemOfWeather("xylem", days_)) {
         return problem;
       }
+      soil_->beginStep(days_);
       RootUptakeFromSoil uptake(water, *soil_, plants.middles, plants.axes, keys_.hasRhizosphere);
       const auto problem = uptake.passTime(days_, keys_.limits, collars, sums);
+      if (problem && soil_->areSolutesTooFast()) {
+        return failure(soil_->problemOfFlow());
+      }
       return problem
                  ? std::optional(failure(*problem + ". Use shorter steps ('longestStep'), larger cells, or a higher "
                                                     "'lowestHead'; leaves that close ('closingHeads') never ask for "

@@ -339,12 +339,16 @@ void RichardsSolver::addBottom(std::size_t cell, const SoilBorders& borders) {
   residual_[cell] -= flux;
 }
 
-double RichardsSolver::largestResidual() const {
+double RichardsSolver::largestResidual() {
   double largest = 0.0;
   for (std::size_t cell = 0; cell < cellCount(); ++cell) {
     // not a number is as bad as infinite
     const double residual = residual_[cell] / cellVolume(cell);
-    largest = std::isfinite(residual) ? std::max(largest, std::abs(residual)) : HUGE_VAL;
+    const double size = std::isfinite(residual) ? std::abs(residual) : HUGE_VAL;
+    if (size > largest) {
+      largest = size;
+      lastCell_ = cell;
+    }
   }
   return largest;
 }

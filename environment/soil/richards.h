@@ -128,6 +128,8 @@ class RichardsSolver {
                                Uptake* uptake = nullptr);
   /// What was wrong at the end of the last iteration in advance(), volume of water per volume of soil.
   [[nodiscard]] double lastResidual() const { return lastResidual_; }
+  /// The cell where it was largest.
+  [[nodiscard]] std::size_t lastCell() const { return lastCell_; }
 
   /// Water that crossed the face above (axis 2), or towards higher i (axis 0) or k (axis 1) of a cell in the last
   /// advance(), length³ per day, in that direction.
@@ -168,7 +170,7 @@ class RichardsSolver {
   [[nodiscard]] bool assemble(double days, const SoilBorders& borders, Uptake* uptake);
   void addSurface(std::size_t cell, const SoilBorders& borders);
   void addBottom(std::size_t cell, const SoilBorders& borders);
-  [[nodiscard]] double largestResidual() const;
+  [[nodiscard]] double largestResidual();
   [[nodiscard]] double timeErrorOf(double days) const;
   void accept(double days, const SoilBorders& borders);
 
@@ -187,6 +189,7 @@ class RichardsSolver {
   std::vector<double> contents_;              // of the iteration (cells)
   std::vector<double> uptakeByHead_;          // of what an Uptake takes, 0 without one (cells)
   double lastResidual_ = 0.0;
+  std::size_t lastCell_ = 0;
   FlowSystem system_;
 };
 

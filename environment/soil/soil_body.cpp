@@ -16,6 +16,7 @@ namespace espalier::environment {
 
 namespace {
 constexpr double kMostHeightRatio = 1e5;  // of cells
+constexpr double kDry = 1e-6;             // effective saturation below which a soil has next to no water
 }  // namespace
 
 std::optional<turtle::EnvironmentError> SoilBody::open(std::string_view process, const turtle::World& world) {
@@ -171,6 +172,7 @@ double SoilBody::advance(double days, RichardsSolver::Uptake* uptake, double tol
   // weather that ends within rounding has ended
   RichardsSolver::Tolerance tolerances = keys_.tolerances;
   tolerances.iteration = std::min(tolerances.iteration, tolerance);
+  areSolutesTooFast_ = false;
   const double passed =
       water_->advance(std::max(until, 1e-12 * std::max(1.0, day_ + days)), borders, tolerances, uptake);
   if (passed > 0.0) {
@@ -187,27 +189,43 @@ std::optional<turtle::EnvironmentError> SoilBody::passTime(double days) {
   if (auto problem = problemOfWeather("soil-water", days)) {
     return problem;
   }
+  beginStep(days);
   const double end = turtle::endOfStep(day_, days);
   while (end - day_ > 1e-12 * std::max(1.0, end)) {
     core::pollWork();
     if (!(advance(end - day_) > 0.0)) {
-      if (areSolutesTooFast_) {
-        return turtle::EnvironmentError{
-            "Environment 'soil-water' would have to follow its solutes in more than 10 million parts of a step: they "
-            "spread too fast for its cells. Give a smaller diffusivity or dispersivity, larger cells, or shorter "
-            "steps.",
-            false};
-      }
-      return turtle::EnvironmentError{
-          "Environment 'soil-water' finds no solution of the flow of water on day " + numberText(day_) +
-              ": the residual is " + numberText(water_->lastResidual()) + " of the water content, the tolerance " +
-              numberText(keys_.tolerances.iteration) +
-              ". Use larger cells, a larger 'tolerance', or less extreme weather and layers.",
-          false};
+      return turtle::EnvironmentError{"Environment 'soil-water' " + problemOfFlow(), false};
     }
   }
   day_ = end;
   return std::nullopt;
+}
+
+std::string SoilBody::problemOfFlow() const {
+  if (areSolutesTooFast_) {
+    return "would take minutes for a step to follow its solutes: they spread too fast for its cells. Give a smaller "
+           "diffusivity or dispersivity, larger cells, or shorter steps.";
+  }
+  const std::size_t cell = water_->lastCell();
+  const core::Vec3 place = ground_.middleOf(cell);
+  const double head = water_->state().heads[cell];
+  std::string problem = "finds no solution of the flow of water on day " + numberText(day_) + " at (" +
+                        numberText(place.x) + ", " + numberText(place.y) + ", " + numberText(place.z) +
+                        "), where the pressure head is " + numberText(head) + " " + lengthUnit_ + ": the residual is " +
+                        numberText(water_->lastResidual()) + " of the water content, the tolerance " +
+                        numberText(keys_.tolerances.iteration) + ". ";
+  // a front that enters such soil is what has no solution, and it may be in the cell before
+  for (std::size_t dry = 0; dry < water_->cellCount(); ++dry) {
+    if (water_->isSoil(dry) && water_->soilOf(dry).saturation(water_->state().heads[dry]) < kDry) {
+      const SoilLayer& soil = water_->soilOf(dry);
+      const core::Vec3 there = ground_.middleOf(dry);
+      return problem + "The soil at (" + numberText(there.x) + ", " + numberText(there.y) + ", " +
+             numberText(there.z) + ") has next to no water (α " + numberText(soil.alpha) + ", n " +
+             numberText(soil.n) + "): begin with heads of " + numberText(soil.headAtSaturation(kDry)) + " " +
+             lengthUnit_ + " or higher, or give its layer a smaller n.";
+    }
+  }
+  return problem + "Use larger cells, a larger 'tolerance', or less extreme weather and layers.";
 }
 
 std::vector<turtle::Field> SoilBody::fields() const {

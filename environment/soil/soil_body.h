@@ -46,6 +46,12 @@ class SoilBody {
   [[nodiscard]] double advance(double days, RichardsSolver::Uptake* uptake = nullptr, double tolerance = 1.0);
   /// Why the weather of the coming days is not known, as in advance(); nothing when it is or is not needed.
   [[nodiscard]] std::optional<turtle::EnvironmentError> problemOfWeather(std::string_view process, double days) const;
+  /// Begins a step of the simulation, in which advance() is called.
+  void beginStep(double days) { solutes_->beginStep(days); }
+  /// Why the last advance() has failed: where, how far it was from a solution, and the remedy, behind the name of the
+  /// process. It was not the water but solutes that spread too fast when areSolutesTooFast().
+  [[nodiscard]] std::string problemOfFlow() const;
+  [[nodiscard]] bool areSolutesTooFast() const { return areSolutesTooFast_; }
   /// Says that time has come to `day`, which it has but for rounding.
   void arriveAt(double day) { day_ = day; }
   /// Internal steps for `days`; an error when one does not converge. The state then is not as before.

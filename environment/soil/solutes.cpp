@@ -10,8 +10,12 @@
 namespace espalier::environment {
 
 namespace {
+
 constexpr double kLogarithm10 = 2.302585092994045684;
-}
+constexpr double kMostWork = 1e9;         // changes of cells in a step of the simulation: about half a minute
+constexpr double kMostWorkAtRate = 1e12;  // the same if the whole step were as one part of it: hours
+
+}  // namespace
 
 SoluteTransport::SoluteTransport(std::vector<Solute> solutes, const RichardsSolver& water, bool hasSurfaceConcentration)
     : solutes_(std::move(solutes)),
@@ -131,9 +135,10 @@ bool SoluteTransport::follow(double days, const std::vector<double>& before) {
         fastest = std::max(fastest, leaving[cell] / (water_->cellVolume(cell) * (contents_[cell] + solute.sorption)));
       }
     }
-    constexpr double kMostParts = 1e7;
     const double steps = std::max(1.0, std::ceil(fastest * days / 0.9));
-    if (!(steps <= kMostParts)) {
+    work_ += steps * static_cast<double>(count);
+    // the first part of a step is short, and does not show that all of them take hours
+    if (!(work_ <= kMostWork) || !(fastest * stepDays_ * static_cast<double>(count) <= kMostWorkAtRate)) {
       return false;
     }
     for (double step = 0.0; step < steps; step += 1.0) {

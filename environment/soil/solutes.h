@@ -37,8 +37,13 @@ class SoluteTransport {
   /// Concentration in the water of a cell at a water content.
   [[nodiscard]] double concentration(std::size_t solute, std::size_t cell, double content) const;
 
+  /// Begins a step of the simulation of so many days.
+  void beginStep(double days) {
+    stepDays_ = days;
+    work_ = 0.0;
+  }
   /// Follows the solver's last advance(), which took `days` and before which the water contents were `before`. False: a
-  /// solute spreads too fast for the cells.
+  /// solute spreads too fast for the cells, so that the step of the simulation would take minutes.
   [[nodiscard]] bool follow(double days, const std::vector<double>& before);
 
   /// The total amounts that have left the box through its borders since the beginning, and that have decayed.
@@ -61,6 +66,8 @@ class SoluteTransport {
   bool hasSurfaceConcentration_;
   std::vector<std::vector<double>> amounts_;  // by solute and cell
   std::vector<Balance> balances_;             // by solute
+  double stepDays_ = 0.0;                     // of the step of the simulation
+  double work_ = 0.0;                         // cells that follow() has changed in it
   std::vector<double> contents_;              // of water, in a step (cells)
   std::vector<double> concentrations_;        // of one solute, in a step (cells)
   std::vector<double> changes_;               // of one solute, in a step (cells)

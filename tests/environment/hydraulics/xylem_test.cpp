@@ -218,6 +218,21 @@ TEST(Xylem, ACourseOfTheDayHasItsMean) {
   EXPECT_LT(flowOf(R"(,"dayCourse":true,"lowestHead":-150)", 1.0, 0.0), 0.499);
 }
 
+TEST(Xylem, RowsThatChangeWithinAStepCountForTheirPartOfIt) {
+  const auto flowOf = [](const std::string& keys, double stepDays, double time) {
+    const auto process = openProcess("xylem", R"({"kr":0.01)" + keys + "}", centimetres(stepDays));
+    return *answersOf(*process, RootDrawing().root({0, 0, 0}, 30, 3, 0.1, kTen).queries(time))[0][kCollarFlow];
+  };
+  // a quarter of the day with 0.4, and what begins behind the middle
+  EXPECT_NEAR(flowOf(R"(,"transpiration":[[0,0],[0.75,0.4]])", 1.0, 0.0), 0.1, 1e-9);
+  EXPECT_NEAR(flowOf(R"(,"transpiration":[[0,0.4],[0.125,0]],"transpirationPeriod":0.25)", 1.0, 2.0), 0.2, 1e-9);
+  // and before the first row nothing
+  EXPECT_NEAR(flowOf(R"(,"transpiration":[[0.25,0.4]])", 1.0, 0.0), 0.3, 1e-9);
+  // from 18 to 24 h of the course of the day: 0.25 (1 − 2/π)
+  EXPECT_NEAR(flowOf(R"(,"dayCourse":true,"transpiration":[[0,0],[0.75,0.4]])", 1.0, 0.0),
+              0.1 * (1.0 - 2.0 / std::numbers::pi), 1e-9);
+}
+
 std::string errorOf(turtle::EnvironmentProcess& process, const turtle::QueryBatch& queries) {
   turtle::ReplyBatch replies;
   replies.prepare(queries);

@@ -392,6 +392,16 @@ TEST(SoilWater, AnInitialHeadBeyondAllSoilsIsAnError) {
   EXPECT_NE(errorsOf(makeProcess("soil-water", R"({"gridSize":[1,2,1],"initialHeads":[-1,-1e12]})")), "");
 }
 
+TEST(SoilWater, AFlowWithoutSolutionInSteepDrySoilSaysWithWhichHeadToBegin) {
+  // α 2, n 8: an effective saturation of 10⁻⁶ at (10^(6/7 · 8/7) − 1)^(1/8)/2
+  const auto process = openProcess("soil-water", R"({"layers":[[1,0.05,0.4,2,8,1]],"initialHead":-1000,"rain":[[0,0.03]]})");
+  const auto error = process->tick(0);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_NE(error->message.find("The soil at (0, "), std::string::npos) << error->message;
+  EXPECT_NE(error->message.find(") has next to no water (α 2, n 8): begin with heads of -3."), std::string::npos)
+      << error->message;
+}
+
 TEST(SoilWater, AFlowWithoutSolutionIsAnErrorAndChangesNothing) {
   const auto process =
       // heads that gravity should change, of water that cannot flow away and that nothing can store
@@ -400,7 +410,8 @@ TEST(SoilWater, AFlowWithoutSolutionIsAnErrorAndChangesNothing) {
   const auto error = process->tick(0);
   ASSERT_TRUE(error.has_value());
   EXPECT_EQ(error->message.find("Environment 'soil-water' finds no solution of the flow of water on day "), 0U);
-  EXPECT_NE(error->message.find(": the residual is "), std::string::npos);
+  EXPECT_NE(error->message.find(", where the pressure head is 5 m: the residual is "), std::string::npos)
+      << error->message;
   EXPECT_NE(error->message.find(" of the water content, the tolerance 1.0e-06. Use larger cells, a larger 'tolerance', "
                                 "or less extreme weather and layers."),
             std::string::npos);
