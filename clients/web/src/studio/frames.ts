@@ -7,7 +7,7 @@ import type { Studio } from "./studio.js";
 
 // of frames that are not shown
 const PATIENCE_MILLISECONDS = 800;
-// for which the page waits for the plant of a slider
+// for which the page waits for its plant
 const TOGETHER_MILLISECONDS = 100;
 
 export class Frames {
@@ -69,7 +69,7 @@ export class Frames {
 
   /** While frames are held the page changes together with the plant: each picture of the page costs a browser as much as the plant. */
   async withPlant(): Promise<void> {
-    if (this.held || this.studio.isSliding) {
+    if (this.held) {
       this.next ??= new Promise((done) => (this.seen = done));
       await Promise.race([this.next, new Promise((done) => setTimeout(done, TOGETHER_MILLISECONDS))]);
     }

@@ -565,11 +565,6 @@ export class Studio {
     });
   }
 
-  /** A slider's value waits for its derivation. */
-  get isSliding(): boolean {
-    return this.wanted !== null;
-  }
-
   /** A slider moves: only the newest value is derived. The text follows; it is built anew only for other changes. */
   slide(define: Define, value: number, sliderStep: number, isFinal: boolean): void {
     const text = this.document.files[define.file], written = numberText(value, sliderStep);
