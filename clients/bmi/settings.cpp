@@ -69,7 +69,7 @@ Json readObject(const std::string& file) {
 void checkKeys(const Json& read, const std::string& file) {
   for (const auto& [name, value] : read.items()) {
     const auto* const key =
-        std::find_if(kKeys.begin(), kKeys.end(), [&](const Key& each) { return each.name == name; });
+        std::find_if(kKeys.begin(), kKeys.end(), [&wanted = name](const Key& each) { return each.name == wanted; });
     if (key == kKeys.end()) {
       std::string known;
       for (const Key& each : kKeys) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -13,6 +14,8 @@
 namespace espalier::client {
 
 // Shared by the blocking client and the coroutine client.
+
+using Clock = std::chrono::steady_clock;
 
 /// Where a server listens.
 struct Address {

@@ -14,7 +14,6 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 using protocol::Error;
-using Clock = std::chrono::steady_clock;
 
 namespace {
 

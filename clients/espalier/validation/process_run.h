@@ -24,9 +24,9 @@ namespace espalier::validation {
     queries.symbol.push_back(0);
     queries.isTransient.push_back(0);
     queries.position.push_back(places[i]);
-    queries.heading.emplace_back(0.0, 1.0, 0.0);
-    queries.left.emplace_back(-1.0, 0.0, 0.0);
-    queries.up.emplace_back(0.0, 0.0, -1.0);
+    queries.heading.push_back({0.0, 1.0, 0.0});
+    queries.left.push_back({-1.0, 0.0, 0.0});
+    queries.up.push_back({0.0, 0.0, -1.0});
     queries.width.push_back(1.0);
     queries.scale.push_back(1.0);
     queries.parameters.insert(queries.parameters.end(), own.begin(), own.end());

@@ -313,12 +313,14 @@ CaseResult selfThinning(const Data&) {
     result.across = "ln density";
     result.up = "ln mean mass";
     // the line of that slope through the middle of the points
-    const auto& [fromX, fromY] = shape.points.front();
-    const auto& [toX, toY] = shape.points.back();
-    const auto lineAt = [&](double x) { return 0.5 * (fromY + toY) - 0.5 * shape.power * (x - 0.5 * (fromX + toX)); };
+    const auto& from = shape.points.front();
+    const auto& to = shape.points.back();
+    const auto lineAt = [&](double x) {
+      return 0.5 * (from.second + to.second) - 0.5 * shape.power * (x - 0.5 * (from.first + to.first));
+    };
     Curve law{name + ", slope " + numberText(-0.5 * shape.power).substr(0, 6),
               true,
-              {{fromX, lineAt(fromX)}, {toX, lineAt(toX)}}};
+              {{from.first, lineAt(from.first)}, {to.first, lineAt(to.first)}}};
     result.curves.push_back({name, false, std::move(shape.points)});
     result.curves.push_back(std::move(law));
   }

@@ -47,10 +47,10 @@ TEST(Polygon, AnySenseAnyPlaneAndAnyFirstCorner) {
     p = {100.0 + p.x, 200.0 + 0.6 * p.y, 300.0 + 0.8 * p.y};
   }
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    std::ranges::rotate(polygon, polygon.begin() + 1);
+    std::rotate(polygon.begin(), polygon.begin() + 1, polygon.end());
     expectCovered(polygon, "rotated");
   }
-  std::ranges::reverse(polygon);
+  std::reverse(polygon.begin(), polygon.end());
   expectCovered(polygon, "clockwise");
 }
 

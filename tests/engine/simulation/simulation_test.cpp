@@ -341,7 +341,7 @@ TEST(Simulation, RewindWithASeedGivesTheBitsOfANewSimulation) {
     return hashes;
   };
   std::set<std::uint64_t> ends{grow(run.simulation).back()};
-  for (const std::uint64_t seed : {17, 3, 17}) {
+  for (const std::uint64_t seed : {17U, 3U, 17U}) {
     expectSuccess(run.simulation.rewind(seed));
     EXPECT_EQ(run.simulation.seed(), seed);
     EXPECT_EQ(run.log->context.seed, seed);

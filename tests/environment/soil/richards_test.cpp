@@ -140,14 +140,12 @@ TEST(Richards, TheBalanceIsExactToTheToleranceWhateverTheWeather) {
   }());
   setHeads(solver, std::vector<double>(72, -200));
   const double before = solver.storedWater();
-  double rain = 0;
   double taken = 0;
   for (int day = 0; day < 12; ++day) {
     const SoilBorders borders{
         .rain = day % 3 == 0 ? 4.0 : 0.0, .evaporation = day % 3 == 2 ? 0.5 : 0.0, .driestHead = -15000};
     solver.sinks()[1] = 0.01 * solver.cellVolume(1);
     pass(solver, 1, borders, 1e-7);
-    rain += borders.rain;
     taken += 0.01 * solver.cellVolume(1);
   }
   const auto& balance = solver.state().balance;

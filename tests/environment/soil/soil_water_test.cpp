@@ -261,7 +261,7 @@ TEST(SoilWater, TheWeathersRainTakesThePlaceOfItsOwn) {
 }
 
 /// Water that a column loses in each of so many days, length.
-std::vector<double> lossesOf(turtle::EnvironmentProcess& process, int days) {
+std::vector<double> lossesOf(turtle::EnvironmentProcess& process, std::uint64_t days) {
   const auto stored = [&] {
     const std::vector<turtle::Field> fields = process.fields();
     double sum = 0.0;
@@ -271,7 +271,7 @@ std::vector<double> lossesOf(turtle::EnvironmentProcess& process, int days) {
     return sum;
   };
   std::vector<double> losses;
-  for (int day = 0; day < days; ++day) {
+  for (std::uint64_t day = 0; day < days; ++day) {
     const double before = stored();
     EXPECT_FALSE(process.tick(day).has_value());
     losses.push_back(before - stored());
