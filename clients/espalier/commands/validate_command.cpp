@@ -15,6 +15,7 @@
 #include "clients/espalier/validation/case_runs.h"
 #include "clients/espalier/validation/result_plot.h"
 #include "clients/espalier/validation/validation.h"
+#include "server/remote/control_group.h"
 #include "server/remote/disk_files.h"
 
 namespace espalier::command {
@@ -288,7 +289,7 @@ int validate(const ValidateOptions& options) {
   }
   std::printf("case\twhat\terror\ttolerance\tresult\tpublished programs\tseconds of the case\n");
   Report report(options, parts);
-  if (!validation::runCases(chosen, data, [&](const validation::Run& run) { return report.add(run); })) {
+  if (!validation::runCases(chosen, data, server::processorCount(), [&](const validation::Run& run) { return report.add(run); })) {
     return kFailure;
   }
   if (!options.page.empty()) {

@@ -6,7 +6,6 @@
 #include <ctime>
 #include <mutex>
 #include <span>
-#include <thread>
 
 #include "clients/espalier/validation/reference_table.h"
 #include "engine/core/worker_team.h"
@@ -39,13 +38,13 @@ void runCase(Run& run, const Data& data, double (*processorSeconds)()) {
 }
 
 /// Runs quick cases beside each other.
-bool runQuickCases(std::span<Run> runs, const Data& data, const std::function<bool(const Run&)>& report) {
+bool runQuickCases(std::span<Run> runs, const Data& data, unsigned threads,
+                   const std::function<bool(const Run&)>& report) {
   std::mutex mutex;
   std::vector<bool> hasRun(runs.size(), false);
   std::size_t next = 0;  // the first that is not reported
   bool isGood = true;
-  const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, runs.size());
-  core::WorkerTeam team(static_cast<unsigned>(threads));
+  core::WorkerTeam team(static_cast<unsigned>(std::clamp<std::size_t>(threads, 1, runs.size())));
   team.forEach(runs.size(), [&](std::size_t i) {
     {
       const std::lock_guard<std::mutex> lock(mutex);
@@ -65,7 +64,7 @@ bool runQuickCases(std::span<Run> runs, const Data& data, const std::function<bo
 
 }  // namespace
 
-bool runCases(const std::vector<const Case*>& chosen, const Data& data,
+bool runCases(const std::vector<const Case*>& chosen, const Data& data, unsigned threads,
               const std::function<bool(const Run&)>& report) {
   std::vector<Run> runs;
   for (const Case* one : chosen) {
@@ -76,7 +75,7 @@ bool runCases(const std::vector<const Case*>& chosen, const Data& data,
     const auto firstLong = std::find_if(left.begin(), left.end(), [](const Run& run) { return !run.one->isQuick; });
     const auto quick = static_cast<std::size_t>(firstLong - left.begin());
     if (quick > 0) {
-      if (!runQuickCases(left.first(quick), data, report)) {
+      if (!runQuickCases(left.first(quick), data, threads, report)) {
         return false;
       }
     } else {

@@ -23,9 +23,9 @@ struct Run {
 };
 
 /// Runs the cases and reports each, in their order, as soon as it and those before it have run. After a report that is
-/// false no other case begins, and the answer is false. Quick cases have one thread and run beside each other, on as
-/// many threads as the machine has. A long one may have threads of its own, so nothing runs beside it.
-bool runCases(const std::vector<const Case*>& chosen, const Data& data,
+/// false no other case begins, and the answer is false. Quick cases have one thread and run beside each other, on so
+/// many `threads`. A long one may have threads of its own, so nothing runs beside it.
+bool runCases(const std::vector<const Case*>& chosen, const Data& data, unsigned threads,
               const std::function<bool(const Run&)>& report);
 
 }  // namespace espalier::validation
