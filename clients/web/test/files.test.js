@@ -338,3 +338,27 @@ test("a frame that comes before the page has a view is shown, also when it is ne
   assert.deepEqual(shown, [10]);
   assert.equal(view.element.dataset.step, "10");
 });
+
+test("a held frame is shown when patience ends, and left out when it is on the way", async () => {
+  globalThis.requestAnimationFrame = (work) => setTimeout(work);
+  globalThis.cancelAnimationFrame = clearTimeout;
+  const shownAfter = async (work, steps) => {
+    const shown = [];
+    const view = { element: { dataset: {} }, setPalette() {}, forgetFit() {}, update: (geometry, change, step) => shown.push(step) };
+    const studio = { view, palette: null, step: 9, document: { files: {}, main: "model.l" }, changed() {}, stepped() {} };
+    const frames = new Frames(studio);
+    async function* columns() {
+      for (const step of steps) {
+        yield { geometry: {}, change: {}, step, finished: true };
+      }
+    }
+    await frames.open({ stream: async (kind) => (kind === "columns" ? columns() : (async function* () {})()) });
+    void frames.hold(work);
+    frames.read();
+    await new Promise((done) => setTimeout(done, 1000));
+    return shown;
+  };
+  // the answer of the work is late, and the last frame is newer than what the page knows
+  assert.deepEqual(await shownAfter(() => new Promise(() => {}), [10]), [10]);
+  assert.deepEqual(await shownAfter(() => new Promise((done) => setTimeout(done, 20)), [5, 9]), [9]);
+});

@@ -11,8 +11,8 @@ const PATIENCE_MILLISECONDS = 800;
 const TOGETHER_MILLISECONDS = 100;
 
 export class Frames {
-  /** Ends when frames are shown again; null: they are shown. */
-  held: Promise<void> | null = null;
+  /** Ends when frames are shown again, true: the work that held them is done; null: they are shown. */
+  held: Promise<boolean> | null = null;
   private seen: () => void = () => {};
   private next: Promise<void> | null = null; // ends with the next frame that is shown
   private statistics: Stream<"statistics"> | null = null;
@@ -52,18 +52,18 @@ export class Frames {
 
   /** While it works, frames are not shown, but no longer than a person waits gladly. */
   async hold(work: () => Promise<void>): Promise<void> {
-    let release = () => {};
+    let release: (isDone: boolean) => void = () => {};
     this.held = new Promise((done) => (release = done));
-    const end = () => {
+    const end = (isDone: boolean) => {
       this.held = null;
-      release();
+      release(isDone);
     };
-    const patience = setTimeout(end, PATIENCE_MILLISECONDS);
+    const patience = setTimeout(() => end(false), PATIENCE_MILLISECONDS);
     try {
       await work();
     } finally {
       clearTimeout(patience);
-      end();
+      end(true);
     }
   }
 
@@ -87,9 +87,9 @@ export class Frames {
     let isSkipped = false;
     for await (const frame of stream) {
       if (this.held) {
-        // a state on the way to the wanted one
-        await this.held;
-        if (frame.step !== studio.step) {
+        // a state on the way to the wanted one is left out where another frame is sure to follow: the answer of the work tells a later
+        // step. Where patience has ended, this may be the last frame, and the page does not know its step yet
+        if ((await this.held) && frame.step < studio.step) {
           isSkipped = true;
           continue;
         }
