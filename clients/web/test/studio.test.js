@@ -23,6 +23,26 @@ test("a page without a model in its address shows a tree whose buds ask for ligh
   await page.close();
 });
 
+test("a page whose first hello came too late connects again when it is made", async () => {
+  // the server hangs up on who says no hello for ten seconds; a busy machine takes longer to make the page
+  const page = await open(`${running.address}/#gallery=parametric-tree`, "shown", () => {
+    let isFirst = true;
+    const WithLateHello = class extends WebSocket {
+      send(data) {
+        if (isFirst) {
+          isFirst = false;
+          this.close();
+        } else {
+          super.send(data);
+        }
+      }
+    };
+    window.WebSocket = WithLateHello;
+  });
+  assert.equal(await page.evaluate(() => studio.connection), "connected");
+  await page.close();
+});
+
 test("a gallery model grows, with few draw calls and 32 bytes a segment", async () => {
   const page = await open(`${running.address}/#gallery=parametric-tree`);
   assert.equal(await page.title(), "parametric-tree – Espalier");

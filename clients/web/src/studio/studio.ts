@@ -165,14 +165,25 @@ export class Studio {
     }
   }
 
+  private dial(token: string): Promise<Client> {
+    return connect(location.origin, {
+      name: "studio",
+      roles: this.isReadOnly ? ["viewer"] : ["controller", "viewer"],
+      ...(token ? { token } : {}),
+      onConnection: (is) => this.connectionChanged(is),
+      onRefused: (error) => this.refused(error, "The server does not take this token any more. Nothing is lost: the text stays in the page."),
+    });
+  }
+
   async connect(token: string): Promise<void> {
     try {
-      this.client = await connect(location.origin, {
-        name: "studio",
-        roles: this.isReadOnly ? ["viewer"] : ["controller", "viewer"],
-        ...(token ? { token } : {}),
-        onConnection: (is) => this.connectionChanged(is),
-        onRefused: (error) => this.refused(error, "The server does not take this token any more. Nothing is lost: the text stays in the page."),
+      this.client = await this.dial(token).catch(async (error) => {
+        if (error instanceof ServerError) {
+          throw error;
+        }
+        // a page that takes long to make says hello too late, and the server hangs up: again when it is made
+        await this.frames.isStaged;
+        return this.dial(token);
       });
     } catch (error) {
       this.refused(error as Error, token ? (error as Error).message : "This server needs a token.");
