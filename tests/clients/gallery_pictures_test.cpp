@@ -102,7 +102,7 @@ PictureImage halved(const PictureImage& whole) {
   PictureImage half;
   half.width = whole.width / 2;
   half.height = whole.height / 2;
-  half.pixels.resize(static_cast<std::size_t>(half.width) * half.height * 4);
+  half.pixels.resize(static_cast<std::size_t>(half.width * half.height) * 4);
   const auto at = [](const PictureImage& image, int x, int y) {
     return static_cast<std::size_t>(y * image.width + x) * 4;
   };
