@@ -11,13 +11,14 @@ package="$(ls "$folder"/espalier_*.deb | head -n 1)"
 mkdir -p "$work"
 
 if [[ ! "$work/root.tar" -nt "$package" ]]; then
+  # the end of the name says that it is an archive, not a folder
   mmdebstrap --variant=apt --quiet --include=ca-certificates --customize-hook="copy-in '$package' /srv" \
     --customize-hook='chroot "$1" sh -c "apt-get install -y -qq --no-install-recommends /srv/*.deb && rm /srv/*.deb"' \
-    bookworm "$work/root.part" >"$work/root.log" 2>&1 || {
+    bookworm "$work/root.part.tar" >"$work/root.log" 2>&1 || {
     tail -n 12 "$work/root.log" >&2
     exit 1
   }
-  mv "$work/root.part" "$work/root.tar"
+  mv "$work/root.part.tar" "$work/root.tar"
 fi
 store=(--storage-driver vfs --root "$work/store" --runroot "$work/run")
 [[ "${ESPALIER_IMAGE_STORE:-}" != own ]] || store=(--storage-driver vfs)
