@@ -84,6 +84,14 @@ TEST(Account, WithoutABoundTheServerHasMostOfTheMachine) {
   EXPECT_GT(usableMemoryBytes(), 100'000'000U);
 }
 
+/// A block of memory that is used, so that no compiler leaves it out.
+std::vector<char> blockOf(std::size_t bytes) {
+  std::vector<char> block(bytes);
+  const char* volatile seen = block.data();
+  (void)seen;
+  return block;
+}
+
 TEST(TurnMeter, ReservesWhileTheTurnRunsAndRefusesBigBlocks) {
   ASSERT_TRUE(isHeapMetered());
   Accounts accounts(limitsOf(40'000'000, 0));
@@ -98,14 +106,14 @@ TEST(TurnMeter, ReservesWhileTheTurnRunsAndRefusesBigBlocks) {
     second.resize(2'000'000);
     EXPECT_GE(ada.bytes(MemoryKind::Compiling), 26'000'000U);
     EXPECT_FALSE(meter.isStopped());
-    EXPECT_THROW(std::vector<char>(20'000'000), std::bad_alloc);
+    EXPECT_THROW(blockOf(20'000'000), std::bad_alloc);
     EXPECT_TRUE(meter.isRefused());
     EXPECT_THROW(core::pollWork(), core::WorkStopped);
     // a message about it can still be made
     EXPECT_EQ(std::string(1'000, 'x').size(), 1'000U);
     first.reset();
     EXPECT_TRUE(meter.tryAgain());
-    const std::vector<char> third(8'000'000);
+    const std::vector<char> third = blockOf(8'000'000);
     EXPECT_FALSE(meter.isRefused());
   }
   EXPECT_EQ(accounts.server().memoryBytes(), 0U);
@@ -130,7 +138,7 @@ TEST(TurnMeter, TheHeapIsTrimmedAlsoAfterTheLastOfManyLargeTurns) {
   const auto makeLargeTurn = [&] {
     TurnMeter meter(accounts.of("ada"), MemoryKind::Compiling);
     const core::WorkMeter::Scope scope(&meter);
-    const std::vector<char> block(50'000'000);
+    const std::vector<char> block = blockOf(50'000'000);
   };
   // A turn that ends within a second of the last trim leaves one to be made. One that ends later trims the heap itself:
   // of two turns in a row that may be the second one, so both are made again until a trim is left.
@@ -152,15 +160,15 @@ TEST(TurnMeter, DestructorsGetMemoryWhileAnExceptionEndsTheTurn) {
   TurnMeter meter(accounts.of("ada"), MemoryKind::Compiling);
   const core::WorkMeter::Scope scope(&meter);
   struct Mover {
-    ~Mover() { const std::vector<char> moved(5'000'000); }
+    ~Mover() { const std::vector<char> moved = blockOf(5'000'000); }
   };
   EXPECT_THROW(
       {
         const Mover mover;
-        const std::vector<char> tooMuch(20'000'000);
+        const std::vector<char> tooMuch = blockOf(20'000'000);
       },
       std::bad_alloc);
-  EXPECT_THROW(const std::vector<char> afterwards(20'000'000), std::bad_alloc);
+  EXPECT_THROW(blockOf(20'000'000), std::bad_alloc);
 }
 
 TEST(TurnMeter, WorkThatDoesNotAskGetsNoMemoryWhenItIsStopped) {
@@ -183,7 +191,7 @@ TEST(TurnMeter, CountsPartsByThemselves) {
   {
     const core::WorkMeter::Scope inner(&part);
     kept.resize(5'000'000);
-    const std::vector<char> given(3'000'000);
+    const std::vector<char> given = blockOf(3'000'000);
   }
   EXPECT_GE(part.net(), 5'000'000);
   EXPECT_LT(part.net(), 5'100'000);
