@@ -363,12 +363,8 @@ void BatchRewriter::setLanes(const BatchRule& rule, std::size_t begin, std::size
 std::size_t BatchRewriter::findTrue(const ColumnValue& truth, std::size_t count) {
   const double* const values = truth.values;
   std::uint32_t* const lanes = true_.data();
-  // often all are true; a count takes two lanes at a time, a search for the first zero does not
-  std::uint64_t zeros = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    zeros += values[i] == 0.0 ? 1 : 0;
-  }
-  if (zeros == 0) {
+  // often all are true
+  if (std::find(values, values + count, 0.0) == values + count) {
     return count;
   }
   std::size_t found = 0;
