@@ -219,10 +219,10 @@ std::string SoilBody::problemOfFlow() const {
     if (water_->isSoil(dry) && water_->soilOf(dry).saturation(water_->state().heads[dry]) < kDry) {
       const SoilLayer& soil = water_->soilOf(dry);
       const core::Vec3 there = ground_.middleOf(dry);
-      return problem + "The soil at (" + numberText(there.x) + ", " + numberText(there.y) + ", " +
-             numberText(there.z) + ") has next to no water (α " + numberText(soil.alpha) + ", n " +
-             numberText(soil.n) + "): begin with heads of " + numberText(soil.headAtSaturation(kDry)) + " " +
-             lengthUnit_ + " or higher, or give its layer a smaller n.";
+      return problem + "The soil at (" + numberText(there.x) + ", " + numberText(there.y) + ", " + numberText(there.z) +
+             ") has next to no water (α " + numberText(soil.alpha) + ", n " + numberText(soil.n) +
+             "): begin with heads of " + numberText(soil.headAtSaturation(kDry)) + " " + lengthUnit_ +
+             " or higher, or give its layer a smaller n.";
     }
   }
   return problem + "Use larger cells, a larger 'tolerance', or less extreme weather and layers.";

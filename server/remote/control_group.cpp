@@ -104,8 +104,8 @@ std::optional<std::uint64_t> processMemoryBytes() {
 std::uint64_t usableMemoryBytes() {
   const auto pages = static_cast<std::uint64_t>(std::max(::sysconf(_SC_PHYS_PAGES), 1L));
   const auto pageBytes = static_cast<std::uint64_t>(std::max(::sysconf(_SC_PAGESIZE), 1L));
-  const std::uint64_t bytes = std::min({pages * pageBytes, controlGroupMemoryBytes().value_or(UINT64_MAX),
-                                        processMemoryBytes().value_or(UINT64_MAX)});
+  const std::uint64_t bytes = std::min(
+      {pages * pageBytes, controlGroupMemoryBytes().value_or(UINT64_MAX), processMemoryBytes().value_or(UINT64_MAX)});
   return bytes / 5 * 4;
 }
 

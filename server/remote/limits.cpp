@@ -75,8 +75,7 @@ constexpr std::array kEntries{
     ofServer<&Server::accountMemoryBytes>("accountMemoryBytes", 0, "the same of one account; 0: no own bound"),
     ofServer<&Server::accountSimulations>("accountSimulations", 0, "simulations of one account; 0: no own bound"),
     ofServer<&Server::accountStreams>("accountStreams", 0, "streams of one account; 0: no own bound"),
-    ofServer<&Server::accountTraceBytes>("accountTraceBytes", 0,
-                                         "bytes of the traces of one account; 0: no own bound"),
+    ofServer<&Server::accountTraceBytes>("accountTraceBytes", 0, "bytes of the traces of one account; 0: no own bound"),
     ofServer<&Server::accountCpuSeconds>("accountCpuSeconds", 0,
                                          "processor time of one account since the server was started; 0: no bound"),
     ofServer<&Server::storeBytes>("storeBytes", 0, "bytes of the data folder's database; 0: no bound"),
@@ -148,7 +147,8 @@ std::optional<std::string> setLimit(ServerLimits& limits, std::string_view assig
   std::uint64_t value = 0;
   const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (problem != std::errc() || end != digits.data() + digits.size()) {
-    return "'" + std::string(assignment) + "' is not a limit; write NAME=NUMBER, for example sessions=100.";
+    return "'" + std::string(assignment) +
+           "' is not a limit; write NAME=NUMBER with a whole number, for example sessions=100.";
   }
   return setLimit(limits, assignment.substr(0, equals), value);
 }

@@ -47,10 +47,10 @@ class TraceFile final : public core::ByteSink {
   void compress(std::string_view bytes, int directive);
 
   std::string name_;
-  std::FILE* file_;  // null: closed
-  DiskRoom* room_;   // null: none
-  std::uint64_t takenBytes_ = 0;         // of the room
-  const DiskRoom* outOfRoom_ = nullptr;  // null: there was enough
+  std::FILE* file_;                         // null: closed
+  DiskRoom* room_;                          // null: none
+  std::uint64_t takenBytes_ = 0;            // of the room
+  const DiskRoom* outOfRoom_ = nullptr;     // null: there was enough
   std::unique_ptr<Compressor> compressor_;  // null: none
   std::string problem_;
 };

@@ -114,8 +114,9 @@ class Watched {
     record.create.plants.emplace_back();
     record.create.environmentJson = hasQueries ? R"([{"type":"constant","values":[1]}])" : "";
     server::Interruption interruption;
-    auto hosted = server::HostedSimulation::create(record, {compiled.program}, {}, core.limits().simulation,
-                                                   core.environmentServices(core.accounts().of("")), core.store(), interruption);
+    auto hosted =
+        server::HostedSimulation::create(record, {compiled.program}, {}, core.limits().simulation,
+                                         core.environmentServices(core.accounts().of("")), core.store(), interruption);
     core.add(record.id, std::move(hosted.value()));
     runner_ = core.find(record.id);
     // until nothing but the organs changes

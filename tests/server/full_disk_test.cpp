@@ -140,8 +140,7 @@ TEST_F(FullDiskTest, ASimulationThatCannotBeSavedLeavesNoTrace) {
     const FullDisk full;
     for (const auto& [method, params] :
          {std::pair("simulation.create", createParams(kModel, {}, R"("trace":true)")),
-          {"simulation.create",
-           createParams(kModel, {}, R"("trace":true,"simulation":")" + original + "\"")}}) {
+          {"simulation.create", createParams(kModel, {}, R"("trace":true,"simulation":")" + original + "\"")}}) {
       EXPECT_EQ(static_cast<int>(errorOf(client_->request(method, params)).code), 1014) << params;
     }
   }

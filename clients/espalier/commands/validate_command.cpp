@@ -91,8 +91,8 @@ std::string leftOut(const validation::CaseResult& result, const std::string& mis
 }
 
 /// The part of a page about one case with the addresses of its pictures.
-std::string pagePart(const validation::Case& one, const validation::CaseResult& result, const validation::Duration& took,
-                     const std::vector<std::string>& pictures) {
+std::string pagePart(const validation::Case& one, const validation::CaseResult& result,
+                     const validation::Duration& took, const std::vector<std::string>& pictures) {
   const auto secondsOf = [](double seconds) {
     char text[40];
     std::snprintf(text, sizeof text, "%.*f s", seconds < 10.0 ? 1 : 0, seconds);
@@ -213,7 +213,8 @@ std::optional<std::vector<std::string>> writePictures(const validation::Case& on
 class Report {
  public:
   /// `parts` are those of the page, by case.
-  Report(const ValidateOptions& options, std::map<std::string, std::string>& parts) : options_(options), parts_(parts) {}
+  Report(const ValidateOptions& options, std::map<std::string, std::string>& parts)
+      : options_(options), parts_(parts) {}
 
   /// Prints a case and writes its pictures and its part of the page; false after an error.
   bool add(const validation::Run& run) {
@@ -289,7 +290,8 @@ int validate(const ValidateOptions& options) {
   }
   std::printf("case\twhat\terror\ttolerance\tresult\tpublished programs\tseconds of the case\n");
   Report report(options, parts);
-  if (!validation::runCases(chosen, data, server::processorCount(), [&](const validation::Run& run) { return report.add(run); })) {
+  if (!validation::runCases(chosen, data, server::processorCount(),
+                            [&](const validation::Run& run) { return report.add(run); })) {
     return kFailure;
   }
   if (!options.page.empty()) {

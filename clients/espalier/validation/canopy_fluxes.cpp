@@ -72,10 +72,9 @@ std::vector<Fluxes> fluxesIn(const std::vector<double>& values, std::size_t widt
 std::vector<Fluxes> rayFluxes(const environment::Canopy& canopy, double side, const std::vector<Band>& bands,
                               const Light& light, int directions, int groundCells, int threads) {
   const std::string text =
-      R"({"sensor":"fluxes","remainder":1e-4,"threads":)" + std::to_string(threads) +
-      R"(,"ground":true,"plot":[0,)" + numberText(side) + ",0," +
-      numberText(side) + R"(],"directions":)" + std::to_string(directions) + R"(,"groundCells":)" +
-      std::to_string(groundCells) + "," + bandKeys(bands) +
+      R"({"sensor":"fluxes","remainder":1e-4,"threads":)" + std::to_string(threads) + R"(,"ground":true,"plot":[0,)" +
+      numberText(side) + ",0," + numberText(side) + R"(],"directions":)" + std::to_string(directions) +
+      R"(,"groundCells":)" + std::to_string(groundCells) + "," + bandKeys(bands) +
       (light.zenith >= 0.0 ? sunKeys(light) : R"("diffuseIrradiance":1,"sky":")" + light.sky + "\"") + "}";
   // a sensor: a query before no organ
   turtle::QueryBatch queries = queriesAt({{}}, std::vector<double>(4 * bands.size(), 0.0));

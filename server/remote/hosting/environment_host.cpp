@@ -144,9 +144,8 @@ asio::awaitable<void> acceptConnections(tcp::acceptor& acceptor, Host& host) {
     }
     const auto shared = std::make_shared<tcp::socket>(std::move(socket));
     host.silent.enter(shared);
-    asio::co_spawn(shared->get_executor(), serveConnection(shared, host), [&host, shared](const std::exception_ptr&) {
-      host.silent.leave(shared);
-    });
+    asio::co_spawn(shared->get_executor(), serveConnection(shared, host),
+                   [&host, shared](const std::exception_ptr&) { host.silent.leave(shared); });
   }
 }
 

@@ -394,7 +394,8 @@ TEST(SoilWater, AnInitialHeadBeyondAllSoilsIsAnError) {
 
 TEST(SoilWater, AFlowWithoutSolutionInSteepDrySoilSaysWithWhichHeadToBegin) {
   // α 2, n 8: an effective saturation of 10⁻⁶ at (10^(6/7 · 8/7) − 1)^(1/8)/2
-  const auto process = openProcess("soil-water", R"({"layers":[[1,0.05,0.4,2,8,1]],"initialHead":-1000,"rain":[[0,0.03]]})");
+  const auto process =
+      openProcess("soil-water", R"({"layers":[[1,0.05,0.4,2,8,1]],"initialHead":-1000,"rain":[[0,0.03]]})");
   const auto error = process->tick(0);
   ASSERT_TRUE(error.has_value());
   EXPECT_NE(error->message.find("The soil at (0, "), std::string::npos) << error->message;
