@@ -10,12 +10,18 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)"
 mkdir -p "$1"
 folder="$(cd "$1" && pwd -P)"
 
-[[ -f "$root/clients/typescript/dist/node.js" ]] || {
-  echo "clients/typescript/dist is not there: run ./dev build first (it needs Node.js and npm)." >&2
+# the client for npm, compiled in a copy by the compiler that the build of the studio has fetched
+modules="$root/clients/web/node_modules"
+[[ -f "$modules/typescript/bin/tsc" && -f "$root/clients/typescript/src/protocol.ts" ]] || {
+  echo "the TypeScript compiler is not in clients/web/node_modules: install Node.js and npm, then run ./dev build" >&2
   exit 1
 }
-# dist is built already; without scripts npm asks for nothing
-npm pack --silent --offline --ignore-scripts --pack-destination "$folder" "$root/clients/typescript" >/dev/null
+copy="$(mktemp -d)"
+trap 'rm -rf "$copy"' EXIT
+cp -r "$root"/clients/typescript/{package.json,README.md,tsconfig.json,src} "$copy"
+(cd "$copy" && node "$modules/typescript/bin/tsc" --typeRoots "$modules/@types")
+# compiled already; without scripts npm asks for nothing
+npm pack --silent --offline --ignore-scripts --pack-destination "$folder" "$copy" >/dev/null
 python3 "$root/clients/blender/make_addon.py" "$folder/espalier-blender.zip"
 if command -v R >/dev/null; then
   (cd "$folder" && R CMD build "$root/clients/r" >build-r.log 2>&1) || {
