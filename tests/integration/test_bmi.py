@@ -5,6 +5,9 @@ import importlib
 import importlib.util
 import io
 import json
+import re
+import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -210,13 +213,18 @@ class Model(unittest.TestCase):
         (self.folder / "m.l").write_text(MODEL.replace("A(l) -->", "A(l) -->("), encoding="utf-8")
         self.refused("m.json: the model cannot start.*m.l:5", self.model)
 
-    def test_the_program_of_the_page_runs(self) -> None:
+    def written(self, page: str) -> Any:
+        """The blocks of a page, with its files written."""
         sys.path.insert(0, str(REPOSITORY / "docs"))
         self.addCleanup(sys.path.pop, 0)
-        blocks = importlib.import_module("page_blocks").blocks((REPOSITORY / "docs/howto/basic-model-interface.md").read_text(encoding="utf-8"))
+        blocks = importlib.import_module("page_blocks").blocks(page)
         for block in blocks:
             if block.remark == "file":
                 (self.folder / block.value).write_text(block.text, encoding="utf-8")
+        return blocks
+
+    def test_the_program_of_the_page_runs(self) -> None:
+        blocks = self.written((REPOSITORY / "docs/howto/basic-model-interface.md").read_text(encoding="utf-8"))
         script = next(block.text for block in blocks if block.language == "python")
         done = subprocess.run([sys.executable, "-c", script], cwd=self.folder, env=variables(ESPALIER_PROGRAM=program()), capture_output=True,
                               text=True, check=True, timeout=60)
@@ -224,6 +232,18 @@ class Model(unittest.TestCase):
         self.assertEqual(done.stdout, "4.0 1.75\n")
         # a configuration of its own name is no environment
         command("derive", str(self.folder / "tree.l"), "--quiet")
+
+    def test_the_component_of_the_page_answers_its_plant(self) -> None:
+        page = (REPOSITORY / "docs/howto/basic-model-interface.md").read_text(encoding="utf-8")
+        self.written(page)
+        shutil.copy(REPOSITORY / "clients" / "bmi" / "example" / "heat.py", self.folder)
+        script = re.search(r"```python\n(from espalier.bmi import environment_of.*?)```", page, re.DOTALL)
+        line = re.search(r"^\$ espalier (derive warm.l .*) --quiet \| tr -cd F \| wc -c\n(\d+)$", page, re.MULTILINE)
+        assert script and line
+        (self.folder / "heat_environment.py").write_text(script.group(1), encoding="utf-8")
+        words = [word.replace("python3", sys.executable) for word in shlex.split(line.group(1))]
+        done = subprocess.run([program(), *words, "--quiet"], cwd=self.folder, env=variables(), capture_output=True, text=True, check=True, timeout=60)
+        self.assertEqual(done.stdout.count("F"), int(line.group(2)))
 
     def test_every_mistake_in_a_configuration_is_one_sentence(self) -> None:
         (self.folder / "empty").mkdir()

@@ -101,44 +101,12 @@ int main(int, char** arguments) {
   }
 }
 """
-# the same physics as clients/bmi/example/heat.hxx, in the same order of additions
-HEAT = """
+# the component of clients/bmi/example/heat.py, which adds in the same order as heat.hxx
+HEAT_ENVIRONMENT = """
 import sys
 sys.path.insert(0, {package!r})
-import numpy
 from espalier.bmi import environment_of
-
-class Heat:
-    def initialize(self, config_file):
-        words = open(config_file).read().split()
-        self.rows, self.columns, self.spacing, self.share = int(words[0]), int(words[1]), float(words[2]), float(words[3])
-        self.temperature, self.loss = numpy.zeros(self.rows * self.columns), numpy.zeros(self.rows * self.columns)
-        self.temperature[self.rows * self.columns // 2] = 100.0
-    def update(self):
-        before = self.temperature.reshape(self.rows, self.columns).tolist()
-        for row in range(self.rows):
-            for column in range(self.columns):
-                change = 0.0
-                for up, right in ((-1, 0), (1, 0), (0, -1), (0, 1)):
-                    if 0 <= row + up < self.rows and 0 <= column + right < self.columns:
-                        change += self.share * (before[row + up][column + right] - before[row][column])
-                at = row * self.columns + column
-                self.temperature[at] = before[row][column] + change - self.loss[at]
-    def finalize(self): pass
-    def get_var_units(self, name): return "K"
-    def get_var_grid(self, name): return 0
-    def get_grid_type(self, grid): return "uniform_rectilinear"
-    def get_grid_rank(self, grid): return 2
-    def get_grid_shape(self, grid, shape): return [self.rows, self.columns]
-    def get_grid_spacing(self, grid, spacing): return [self.spacing, self.spacing]
-    def get_grid_origin(self, grid, origin): return [0.0, -self.spacing * (self.columns // 2)]
-    def get_var_type(self, name): return "float64"
-    def get_var_nbytes(self, name): return 8 * self.rows * self.columns
-    def get_var_itemsize(self, name): return 8
-    def get_value(self, name, dest):
-        dest[:] = self.temperature
-        return dest
-    def set_value(self, name, src): self.loss = src
+from heat import Heat
 
 environment_of(Heat, "heat.cfg", "plate_surface__temperature", demand="plate_surface__heat_loss", axes=("x", "y")).serve()
 """
@@ -299,8 +267,9 @@ class BmiInCpp(Installed):
 
     def test_a_component_answers_as_the_same_model_in_python_bit_for_bit(self) -> None:
         library = self.plugin(self.HEAT_PLUGIN, "heat")
-        (self.work / "heat.py").write_text(HEAT.format(package=str(REPOSITORY / "clients" / "python")), encoding="utf-8")
-        other = stdio([sys.executable, str(self.work / "heat.py")])
+        shutil.copy(EXAMPLE / "heat.py", self.work)
+        (self.work / "heat_environment.py").write_text(HEAT_ENVIRONMENT.format(package=str(REPOSITORY / "clients" / "python")), encoding="utf-8")
+        other = stdio([sys.executable, str(self.work / "heat_environment.py")])
         for more in ((), ("--every",), ("--steps", "9")):
             found = self.derived("warm.l", "--environment", library, *more)
             self.assertEqual(found, self.derived("warm.l", "--environment", other, *more))
