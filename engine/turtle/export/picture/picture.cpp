@@ -6,6 +6,8 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "engine/core/check.h"
 #include "engine/core/worker_team.h"
@@ -129,35 +131,52 @@ void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, Raste
     std::uint32_t task = 0;
     std::uint32_t triangle = 0;
   };
-  std::vector<std::vector<RasterTriangle>> made(kRoundTasks);
+  /// What one task makes of its parts: triangles, and the tiles in which each of them is seen.
+  struct Made {
+    std::vector<RasterTriangle> triangles;
+    std::vector<std::pair<std::size_t, std::uint32_t>> places;  // tile and number of the triangle
+  };
+  std::vector<Made> made(kRoundTasks);
   const auto columns = static_cast<std::size_t>(target.tileColumns());
   std::vector<std::vector<Reference>> tiles(columns * static_cast<std::size_t>(target.tileRows()));
   for (std::size_t first = 0; first < geometry.partCount(); first += kTaskParts * kRoundTasks) {
     const std::size_t parts = std::min(kTaskParts * kRoundTasks, geometry.partCount() - first);
-    for (auto& triangles : made) {
-      triangles.clear();
+    for (Made& some : made) {
+      some.triangles.clear();
+      some.places.clear();
     }
     forParts(team, parts, kTaskParts, [&](std::size_t part, std::size_t task) {
       const PlacedGeometry::Item item = geometry.item(first + part);
+      auto& [triangles, places] = made[task];
+      std::size_t kept = triangles.size();
       item.scene.geometry.append(item.part, item.placement, camera, *item.scene.shading,
-                                 static_cast<std::uint32_t>(first + part), made[task]);
+                                 static_cast<std::uint32_t>(first + part), triangles);
+      // in the picture of a large plant most triangles are smaller than a sample and meet none
+      for (std::size_t i = kept; i < triangles.size(); ++i) {
+        const auto [left, right, upper, lower] = target.tilesOf(triangles[i]);
+        for (int row = upper; row <= lower; ++row) {
+          for (int column = left; column <= right; ++column) {
+            places.emplace_back(static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column),
+                                static_cast<std::uint32_t>(kept));
+          }
+        }
+        if (left <= right) {
+          triangles[kept++] = triangles[i];
+        }
+      }
+      triangles.resize(kept);
     });
     for (auto& tile : tiles) {
       tile.clear();
     }
     for (std::uint32_t task = 0; task < made.size(); ++task) {
-      for (std::uint32_t i = 0; i < made[task].size(); ++i) {
-        const auto [left, right, upper, lower] = target.tilesOf(made[task][i]);
-        for (int row = upper; row <= lower; ++row) {
-          for (int column = left; column <= right; ++column) {
-            tiles[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)].push_back({task, i});
-          }
-        }
+      for (const auto& [tile, triangle] : made[task].places) {
+        tiles[tile].push_back({task, triangle});
       }
     }
     team.forEach(tiles.size(), [&](std::size_t tile) {
       for (const Reference& reference : tiles[tile]) {
-        target.draw(made[reference.task][reference.triangle], static_cast<int>(tile % columns),
+        target.draw(made[reference.task].triangles[reference.triangle], static_cast<int>(tile % columns),
                     static_cast<int>(tile / columns));
       }
     });

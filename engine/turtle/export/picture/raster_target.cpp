@@ -80,6 +80,12 @@ std::array<int, 4> RasterTarget::tilesOf(const RasterTriangle& triangle) const {
   if (!(right >= 0.0 && left <= width_ && lower >= 0.0 && upper <= rows_)) {
     return {1, 0, 1, 0};
   }
+  // no centre of a sample between the edges; where an edge crosses a row is known up to rounding
+  const double slack = 1e-12 * (std::abs(left) + std::abs(right));
+  const auto firstBehind = [](double pixel) { return std::ceil(pixel * kAcross - 0.5); };
+  if (firstBehind(upper) >= firstBehind(lower) || firstBehind(left - slack) >= firstBehind(right + slack)) {
+    return {1, 0, 1, 0};
+  }
   const auto tile = [](double pixel, int count) { return clampedFloor(pixel / kTilePixels, 0, count - 1); };
   return {tile(left, tileColumns()), tile(right, tileColumns()), tile(upper, tileRows()), tile(lower, tileRows())};
 }

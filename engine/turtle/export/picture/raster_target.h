@@ -48,7 +48,7 @@ class RasterTarget {
   [[nodiscard]] int tileColumns() const { return (width_ + kTilePixels - 1) / kTilePixels; }
   [[nodiscard]] int tileRows() const { return (rows_ + kTilePixels - 1) / kTilePixels; }
   /// The tiles that a triangle's surrounding rectangle meets, as columns [0], [1] and rows [2], [3], ends included;
-  /// nothing to draw when [0] > [1].
+  /// nothing to draw when [0] > [1], as for a triangle so small that it lies between the samples.
   [[nodiscard]] std::array<int, 4> tilesOf(const RasterTriangle& triangle) const;
 
   /// Draws the part of a triangle that lies in one tile. Different tiles may be drawn at the same time.

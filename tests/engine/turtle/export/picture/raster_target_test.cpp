@@ -4,6 +4,7 @@
 
 #include <array>
 #include <limits>
+#include <random>
 #include <vector>
 
 namespace espalier::turtle::raster_target_test {
@@ -68,6 +69,32 @@ TEST(RasterTarget, TrianglesAtACommonEdgeCoverEachSampleOnce) {
   }
   for (const int samples : sum) {
     ASSERT_EQ(samples, 16);
+  }
+}
+
+TEST(RasterTarget, ATriangleThatNoTileNamesCoversNoSample) {
+  RasterTarget chosen(8, 0, 8);
+  RasterTarget all(8, 0, 8);
+  std::mt19937 random(7);
+  int skipped = 0;
+  for (int i = 0; i < 2000; ++i) {
+    // corners on a grid of eighths of a sample: many edges run through centres of samples
+    const auto near = [&random](float place, unsigned eighths) {
+      return place + static_cast<float>(random() % eighths) / 32.0F;
+    };
+    const float x = near(0.0F, 224);
+    const float y = near(0.0F, 224);
+    const RasterTriangle triangle = triangleOf(
+        {{{near(x, 9), near(y, 9)}, {near(x, 9), near(y, 9)}, {near(x, 9), near(y, 9)}}}, static_cast<float>(i));
+    const auto tiles = chosen.tilesOf(triangle);
+    skipped += tiles[0] > tiles[1] ? 1 : 0;
+    drawAll(chosen, triangle);
+    all.draw(triangle, 0, 0);
+  }
+  EXPECT_GT(skipped, 200);
+  EXPECT_LT(skipped, 1800);
+  for (int row = 0; row < 8; ++row) {
+    EXPECT_EQ(rowOf(chosen, row, 8), rowOf(all, row, 8)) << row;
   }
 }
 
