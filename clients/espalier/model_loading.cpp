@@ -228,6 +228,12 @@ bool drawsRandom(const language::ProductionList& list) {
 }
 
 constexpr std::string_view kSeconds = "seconds=";
+// the server limit with the same unit and bounds
+constexpr std::string_view kServerSeconds = "callSeconds";
+
+std::string serverSeconds(std::string_view limit) {
+  return std::string(kServerSeconds) + "=" + std::string(limit.substr(kSeconds.size()));
+}
 
 // a sentence about a limit that a run does not have, or an empty text
 std::string problemOfLimit(const std::string& text) {
@@ -237,9 +243,11 @@ std::string problemOfLimit(const std::string& text) {
   if (!isTime && entry != nullptr && !entry->isOfSimulation) {
     return "the limit " + std::string(entry->name) + " is a limit of servers, not of a run";
   }
-  // the time has the bounds of the server limit with the same unit
-  return server::setLimit(limits, isTime ? "callSeconds=" + text.substr(kSeconds.size()) : text)
-      .value_or(std::string{});
+  std::string problem = server::setLimit(limits, isTime ? serverSeconds(text) : text).value_or(std::string{});
+  if (const std::size_t at = problem.find(kServerSeconds); isTime && at != std::string::npos) {
+    problem.replace(at, kServerSeconds.size(), "seconds");
+  }
+  return problem;
 }
 
 // the names with their meanings and defaults
@@ -284,7 +292,7 @@ std::uint64_t ModelOptions::seconds() const {
   result.callSeconds = 0;
   for (const std::string& limit : limits) {
     if (limit.starts_with(kSeconds)) {
-      static_cast<void>(server::setLimit(result, "callSeconds=" + limit.substr(kSeconds.size())));
+      static_cast<void>(server::setLimit(result, serverSeconds(limit)));
     }
   }
   return result.callSeconds;

@@ -148,7 +148,7 @@ std::optional<std::string> setLimit(ServerLimits& limits, std::string_view assig
   const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (problem != std::errc() || end != digits.data() + digits.size()) {
     return "'" + std::string(assignment) +
-           "' is not a limit; write NAME=NUMBER with a whole number, for example sessions=100.";
+           "' is not a limit; write NAME=NUMBER with a whole number, for example modules=1000000.";
   }
   return setLimit(limits, assignment.substr(0, equals), value);
 }

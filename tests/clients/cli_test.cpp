@@ -117,6 +117,8 @@ TEST_F(Cli, LimitsAreOptionsAndErrorsNameThem) {
   EXPECT_TRUE(contains(unknown.errors, "there is no limit 'modulse'. Did you mean 'modules'?")) << unknown.errors;
   EXPECT_TRUE(contains(run("derive grow.l --limit sessions=5").errors,
                        "the limit sessions is a limit of servers, not of a run"));
+  EXPECT_TRUE(
+      contains(run("derive grow.l --limit seconds=abc").errors, "'seconds=abc' is not a limit; write NAME=NUMBER"));
   EXPECT_TRUE(contains(run("derive grow.l --step-duration '3 parsec'").errors,
                        "--step-duration: '3 parsec' is not a time: give one above 0, such as \"1 h\", \"0.25 d\" or "));
 }

@@ -52,9 +52,9 @@ TEST(Limits, WhatIsNoLimitIsRefusedWithAnExampleOrTheNearestName) {
   ServerLimits limits;
   for (const std::string_view text :
        {"sessions", "sessions=", "sessions=-1", "sessions=1e3", "sessions=99999999999999999999"}) {
-    EXPECT_EQ(
-        setLimit(limits, text).value_or(""),
-        "'" + std::string(text) + "' is not a limit; write NAME=NUMBER with a whole number, for example sessions=100.");
+    EXPECT_EQ(setLimit(limits, text).value_or(""),
+              "'" + std::string(text) +
+                  "' is not a limit; write NAME=NUMBER with a whole number, for example modules=1000000.");
   }
   EXPECT_EQ(setLimit(limits, "session=3").value_or("").substr(0, 58),
             "there is no limit 'session'. Did you mean 'sessions'? Avai");
