@@ -29,8 +29,9 @@ class LongValidation(unittest.TestCase):
     @unittest.skipUnless(os.environ.get("ESPALIER_LONG_CASE"), "a part of its own for each benchmark: ESPALIER_LONG_CASE")
     def test_long_a_benchmark_meets_its_tolerances(self) -> None:
         data = ["--data", str(PUBLISHED)] if PUBLISHED.is_dir() else []
+        page = ["--page", os.environ["ESPALIER_VALIDATION_PAGE"]] if "ESPALIER_VALIDATION_PAGE" in os.environ else []
         # forests of 398 crowns take a quarter of an hour of one core
-        done = subprocess.run([program(), "validate", os.environ["ESPALIER_LONG_CASE"], *data], capture_output=True, text=True,
+        done = subprocess.run([program(), "validate", os.environ["ESPALIER_LONG_CASE"], *data, *page], capture_output=True, text=True,
                               timeout=3600, stdin=subprocess.DEVNULL)
         lines = [line.split("\t") for line in done.stdout.splitlines()]
         table = [dict(zip(lines[0], line)) for line in lines[1:]]
