@@ -21,6 +21,11 @@ program_package="${packages[0]}"
 lintian --fail-on error --allow-root "${packages[@]}" >"$folder/lintian.txt" 2>&1 || fail "lintian: $(grep '^E:' "$folder/lintian.txt")"
 passed "lintian finds no error"
 
+if dpkg-deb -c "$program_package" | grep '/handbook/.*\.gz$' >&2; then
+  fail "these files of the handbook are packed, so links to them lead nowhere"
+fi
+passed "no file of the handbook is packed"
+
 systemd-analyze security --offline=true --threshold=25 "$here/debian/espalier.service" >/dev/null ||
   fail "the exposure of espalier.service is above 2.5: systemd-analyze security"
 passed "espalier.service is exposed by 2.5 at most"
@@ -53,8 +58,6 @@ root="$here/../.."
 sources="$folder/sources"
 rm -rf "$sources"
 mkdir -p "$sources/grow"
-cp -r "$root/clients/bmi/example" "$sources/bmi"
-cp "$root/environment/plugin_example/ceiling.c" "$sources"
 block() { awk -v fence="\`\`\`$1" '$0 == "```" && inside { exit } inside { print } $0 == fence { inside = 1 }' "$root/docs/library.md"; }
 block cmake >"$sources/grow/CMakeLists.txt"
 block cpp >"$sources/grow/grow.cpp"
@@ -159,8 +162,9 @@ page = View([Path("tree.glb").read_bytes()]).html()
 assert "espalier.showPlant" in page and len(page) > 100_000, len(page)
 PYTHON
 
-# the development files: a plug-in in C, and a project in C++
+# the development files: a plug-in in C, a project in C++, and the examples of the pages
 install ./espalier-dev_*.deb g++ cmake make
+examples=/usr/share/doc/espalier-dev/examples
 cat >plant.l <<'MODEL'
 Lsystem: 1
 derivation length: 5
@@ -168,16 +172,20 @@ Axiom: A?E(1)
 A > ?E(x) : x == 1 --> FA
 endlsystem
 MODEL
-cc -shared -fPIC -I /usr/include/espalier ceiling.c -o libceiling.so
+cc -shared -fPIC -I /usr/include/espalier $examples/plugin/ceiling.c -o libceiling.so
 test "$(espalier derive plant.l --environment ./libceiling.so --quiet)" = 'FFFA?E(0)'
 cmake -S grow -B grow/build -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build grow/build
 test "$(grow/build/grow | tail -n 1)" = 'FFFA?E(0)'
 # the component bmi links the most
-cmake -S bmi -B bmi/build -DCMAKE_BUILD_TYPE=Release >/dev/null
+cmake -S $examples/bmi -B bmi/build -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build bmi/build
 echo '{"model": "plant.l", "outputs": ["count:F"]}' >plant-bmi.json
 test "$(bmi/build/driver plant-bmi.json | tail -n 1)" = '5 d  count:F 5 1'
+g++ -std=c++20 -shared -fPIC -I /usr/include/espalier -I /usr/include/espalier/clients/bmi -I $examples/bmi $examples/bmi/heat_plugin.cpp -o libheat.so
+echo '7 9 1 0.2' >heat.cfg
+test "$(espalier derive plant.l --environment ./libheat.so --quiet)" = 'A?E(0.7024000000000001)'
+test -s /usr/share/doc/python3-espalier/examples/heat.py
 
 # settings that a person changed and data stay when the package goes; data that a server has open stay when it is purged, too
 echo '# changed' >>/etc/espalier/serve.toml
@@ -201,7 +209,7 @@ test ! -e "$data"
 INSIDE
 
 mmdebstrap --variant=apt --quiet --include=ca-certificates \
-  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$sources/ceiling.c' '$root/tests/server/store/fixtures/version1.sqlite' '$sources/grow' '$sources/bmi' '$folder/inside.sh' /srv" \
+  --customize-hook="copy-in '${packages[0]}' '${packages[1]}' '${packages[2]}' '$folder/older.deb' '$wheel' '$root/tests/server/store/fixtures/version1.sqlite' '$sources/grow' '$folder/inside.sh' /srv" \
   --customize-hook='chroot "$1" sh /srv/inside.sh' \
   bookworm /dev/null >"$folder/bare.log" 2>&1 || fail "in a bare Debian 12: $(tail -n 12 "$folder/bare.log")"
 passed "in a bare Debian 12: wheel, package installed and used in a minute, upgraded under a running server and after a kill with data of 0.1.0, C and C++ built, removed, purged"

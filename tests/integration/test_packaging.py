@@ -163,10 +163,7 @@ class DebianScripts(unittest.TestCase):
     @unittest.skipUnless(shutil.which("dh_installdeb"), "debhelper is not installed (Debian: debhelper)")
     def test_the_service_is_stopped_when_it_goes_and_started_again_after_an_upgrade(self) -> None:
         shutil.copytree(DEBIAN, self.folder / "debian")
-        variables = {**os.environ, "DH_VERBOSE": "", "DH_NO_ACT": ""}
-        for command in (["make", "-f", "debian/rules", "override_dh_installsystemd"], ["dh_installdeb", "--package=espalier"]):
-            done = subprocess.run(command, cwd=self.folder, env=variables, capture_output=True, text=True, timeout=SECONDS, check=False)
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.built("make -f debian/rules override_dh_installsystemd", "dh_installdeb --package=espalier")
         scripts = {path.name: path.read_text(encoding="utf-8") for path in (self.folder / "debian" / "espalier" / "DEBIAN").iterdir()}
         self.assertIn("deb-systemd-invoke stop espalier.service", scripts["prerm"])
         self.assertRegex(scripts["prerm"], r'"\$1" = remove')
@@ -175,6 +172,39 @@ class DebianScripts(unittest.TestCase):
         self.assertNotIn("deb-systemd-invoke", scripts.get("preinst", ""))
         for name in ("prerm", "postinst", "postrm"):
             self.assertEqual(subprocess.run(["sh", "-n"], input=scripts[name], text=True, check=False).returncode, 0, name)
+
+    def built(self, *commands: str) -> None:
+        """Runs targets of the recipe and programs of debhelper in the folder, which has debian/."""
+        variables = {**os.environ, "DH_VERBOSE": "", "DH_NO_ACT": ""}
+        for command in commands:
+            done = subprocess.run(command.split(), cwd=self.folder, env=variables, capture_output=True, text=True, timeout=SECONDS, check=False)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    @unittest.skipUnless(shutil.which("dh_compress"), "debhelper is not installed (Debian: debhelper)")
+    def test_no_file_of_the_handbook_and_of_the_examples_is_packed(self) -> None:
+        documents = self.folder / "debian" / "espalier" / "usr" / "share" / "doc" / "espalier"
+        names = ["changelog", "handbook/docs/studio.webp", "handbook/protocol/espalier-1.schema.json", "handbook/clients/bmi/example/heat.hxx"]
+        for name in names:
+            (documents / name).parent.mkdir(parents=True, exist_ok=True)
+            (documents / name).write_text("a line\n" * 4000, encoding="utf-8")
+        shutil.copytree(DEBIAN, self.folder / "debian", dirs_exist_ok=True)
+        self.built("make -f debian/rules override_dh_compress")
+        files = [str(path.relative_to(documents)) for path in documents.rglob("*") if path.is_file()]
+        self.assertEqual(sorted(files), sorted(["changelog.gz", *names[1:]]))
+
+    @unittest.skipUnless(shutil.which("dh_installexamples"), "debhelper is not installed (Debian: debhelper)")
+    def test_the_packages_have_the_examples_of_the_pages(self) -> None:
+        for name in ("clients/bmi/example", "clients/cpp/example", "environment/plugin_example", "clients/python/examples"):
+            shutil.copytree(REPOSITORY / name, self.folder / name)
+        lines = [line for line in (DEBIAN / "espalier-dev.install").read_text(encoding="utf-8").splitlines(keepends=True) if "examples" in line]
+        shutil.copytree(DEBIAN, self.folder / "debian")
+        (self.folder / "debian" / "espalier-dev.install").write_text("".join(lines), encoding="utf-8")
+        self.built("dh_install --package=espalier-dev", "dh_installexamples --package=python3-espalier")
+        for name in ("espalier-dev/examples/bmi/driver.cpp", "espalier-dev/examples/bmi/CMakeLists.txt", "espalier-dev/examples/bmi/heat.hxx",
+                     "espalier-dev/examples/cpp/grow_many.cpp", "espalier-dev/examples/plugin/ceiling.c",
+                     "python3-espalier/examples/heat.py", "python3-espalier/examples/ceiling.py"):
+            package = name.split("/")[0]
+            self.assertTrue((self.folder / "debian" / package / "usr" / "share" / "doc" / name).is_file(), name)
 
     def test_a_purge_removes_data_unless_a_process_uses_them(self) -> None:
         script = self.folder / "postrm"
