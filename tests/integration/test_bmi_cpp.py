@@ -256,7 +256,7 @@ class BmiInCpp(Installed):
             assert block is not None
             (self.work / name).write_text(block.group(1), encoding="utf-8")
         lines = run(str(self.programs / "driver"), str(self.work / "tree-bmi.json"), "GROW", "0.25").splitlines()
-        shown = re.search(r"\$ driver tree-bmi.json GROW 0.25\n(.*?)\n…", page)
+        shown = re.search(r"\$ bmi/build/driver tree-bmi.json GROW 0.25\n(.*?)\n…", page)
         assert shown is not None
         self.assertEqual([len(lines), lines[0][:len(shown.group(1))]], [3, shown.group(1)])
         # the CMake file of the page is a part of the example's
