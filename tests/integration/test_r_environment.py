@@ -54,6 +54,12 @@ class REnvironment(unittest.TestCase):
         server.stop()
         script.communicate(timeout=SECONDS)
 
+    def test_without_a_server_it_says_what_to_start(self) -> None:
+        source = f'source("{REPOSITORY}/clients/r/R/espalier.R")\nattach_environment("ceiling", "127.0.0.1:1", function(queries) queries$x)'
+        done = subprocess.run(["Rscript", "-e", source], capture_output=True, text=True, timeout=SECONDS, check=False)
+        self.assertEqual((done.returncode, done.stderr), (1, "Error: nothing answers at 127.0.0.1:1: start the server "
+                                                             "(espalier serve --listen 127.0.0.1:1), or correct the address\nExecution halted\n"))
+
     @unittest.skipUnless(os.environ.get("ESPALIER_LONG_TESTS") == "yes", "takes half a minute: ./dev test --all long")
     def test_long_the_package_is_checked_installed_and_used(self) -> None:
         with tempfile.TemporaryDirectory() as name:

@@ -38,7 +38,12 @@ write_replies <- function(queries, answer) {
 attach_environment <- function(name, address, respond, token = Sys.getenv("ESPALIER_TOKEN")) {
   parts <- regmatches(address, regexec("^(.*):([0-9]+)$", address))[[1]]
   if (length(parts) != 3) stop(sprintf("'%s' is not an address; write HOST:PORT, as in 127.0.0.1:4321", address))
-  server <- socketConnection(parts[2], as.integer(parts[3]), open = "r+b", blocking = TRUE, timeout = 3600)
+  server <- tryCatch(
+    suppressWarnings(socketConnection(parts[2], as.integer(parts[3]), open = "r+b", blocking = TRUE, timeout = 3600)),
+    error = function(error) {
+      stop(sprintf("nothing answers at %s: start the server (espalier serve --listen %s), or correct the address", address, address), call. = FALSE)
+    }
+  )
   on.exit(close(server))
   say <- function(...) writeLines(paste0('{"jsonrpc":"2.0",', ..., "}"), server)
   ask <- function(...) {
