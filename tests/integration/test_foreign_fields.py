@@ -322,7 +322,14 @@ class Files(Foreign):
         for target in ("nowhere/out.vti", "nowhere/out.nc", "nowhere/out.zarr", "file/out.vti"):
             status, said = said_by(str(self.folder / "a.nc"), str(self.folder / target))
             self.assertEqual(status, 1)
-            self.assertRegex(said, r"^error: .* cannot be written \(.*\): give a path in a folder that exists and has room\.\n$")
+            self.assertNotIn(".espalier-", said)
+            self.assertRegex(said, r"^error: .* cannot be written \(.*\): give a path in a folder that exists, that you may write to and that has room\.\n$")
+
+    def test_a_source_that_is_not_there_is_a_name_to_check(self) -> None:
+        for name, remedy in (("č.nc", "check the name"), ("č.vti", "check its name")):
+            said = said_by(str(self.folder / name), str(self.folder / "out.vti" if name == "č.nc" else self.folder / "out.nc"))[1]
+            self.assertRegex(said, rf"^error: .*{name} cannot be .*No such file or directory.*: {remedy}")
+            self.assertNotIn("\\xc4", said)
 
     def test_steps_that_are_not_there_are_refused(self) -> None:
         self.base().expand_dims(time=[0.0, 1.0]).to_netcdf(self.folder / "a.nc")

@@ -100,8 +100,7 @@ class Examples(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             script = Path(folder) / "ceiling.py"
             script.write_text(lines, encoding="utf-8")
-            arguments = (shlex.split(command.replace("clients/python/examples/ceiling.py", str(script))
-                                     .replace("python3", sys.executable).replace("clients/gallery", str(GALLERY))
+            arguments = (shlex.split(command.replace("ceiling.py", str(script)).replace("python3", sys.executable)
                                      .replace("tree.png", f"{folder}/tree.png")))
             done = espalier(*arguments[1:])
             self.assertEqual((Path(folder) / "tree.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
@@ -137,8 +136,8 @@ class Demonstration(unittest.TestCase):
         done = subprocess.run([sys.executable, str(EXAMPLES / "demo.py"), "--program", "no-such-program"],
                               capture_output=True, text=True, timeout=SECONDS, check=False, env=variables())
         self.assertEqual(done.returncode, 1)
-        self.assertEqual(done.stderr.strip(), "demo: There is no program 'no-such-program'. Build it with './dev build' and "
-                                              "give its path, build/release/bin/espalier.")
+        self.assertEqual(done.stderr.strip(), "demo: There is no program 'no-such-program'. Install Espalier (docs/install.md) or "
+                                              "build it with './dev build', and give the path of its program.")
 
 
 if __name__ == "__main__":

@@ -75,7 +75,7 @@ def read_vti(path: "str | os.PathLike[str]") -> Fields:
                 raise FieldError(f"{path}: '{array.attrib.get('Name')}' does not have {size} bytes of doubles: the file is not complete.")
             quantities[array.attrib["Name"]] = (array.attrib.get("Unit", "1"), raw[8:])
     except (OSError, KeyError, ValueError, struct.error, xml.ParseError) as error:
-        raise FieldError(f"{path} cannot be read as a .vti file ({error}): write it again with `espalier run --field`.") from None
+        raise FieldError(f"{path} cannot be read as a .vti file ({error}): check its name, or write it again with `espalier run --field`.") from None
     if not quantities:
         raise FieldError(f"{path} has no quantities: write it again with `espalier run --field`.")
     return Fields(grid, quantities, image.attrib.get("LengthUnit", "m"))
@@ -138,7 +138,9 @@ def dataset(steps: Sequence[Fields], numbers: "Sequence[int] | None" = None) -> 
 
 
 def _said(error: Exception) -> str:
-    return f"{type(error).__name__}: {str(error).splitlines()[0].rstrip('.') if str(error) else 'no reason'}"
+    # the reason of the system without the name of a file beside the target
+    reason = getattr(error, "strerror", None) or str(error) or "no reason"
+    return f"{type(error).__name__}: {reason.splitlines()[0].rstrip('.')}"
 
 
 def _note(text: str) -> None:
@@ -314,7 +316,7 @@ def open_dataset(path: "str | os.PathLike[str]", group: "str | None" = None) -> 
     except FieldError:
         raise
     except Exception as error:  # whatever the libraries raise on a stranger's file
-        raise FieldError(f"{path} cannot be opened ({_said(error)}): give a .nc file or a .zarr folder that is complete.") from None
+        raise FieldError(f"{path} cannot be opened ({_said(error)}): check the name, and give a .nc file or a .zarr folder that is complete.") from None
     listed = ", ".join(f"{group}/{name}" if group else name for name in groups)
     if groups and not set(AXES) <= set(data.variables):
         raise FieldError(f"the quantities of {path} are in groups ({listed}): choose one with --group.")
@@ -348,7 +350,7 @@ def _save(content: Any, path: Path) -> None:
     except ImportError as error:
         raise FieldError(f"{error}: install it (Debian: python3-netcdf4, python3-zarr), then try again.") from None
     except Exception as error:  # whatever the libraries raise
-        raise FieldError(f"{path} cannot be written ({_said(error)}): give a path in a folder that exists and has room.") from None
+        raise FieldError(f"{path} cannot be written ({_said(error)}): give a path in a folder that exists, that you may write to and that has room.") from None
 
 
 def convert(sources: "Sequence[str | os.PathLike[str]]", target: "str | os.PathLike[str]", step: int = -1, group: "str | None" = None) -> None:

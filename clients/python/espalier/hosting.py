@@ -286,7 +286,7 @@ class Host:
             if step is not None:
                 data["step"] = step
             raise wire.Refusal(ENVIRONMENT_FAILED, f"{self._class.name()}: {type(error).__name__} in {what} at {place}: "
-                           f"{error}. The environment's standard error has the whole trace.", data) from None
+                           f"{str(error).rstrip('.')}. The environment's standard error has the whole trace.", data) from None
 
 
 def _own(trace: Optional[TracebackType]) -> Optional[TracebackType]:

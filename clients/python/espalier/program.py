@@ -33,8 +33,8 @@ def find_program() -> str:
             built = folder / "build" / "release" / "bin" / "espalier"
             if os.access(built, os.X_OK):
                 return str(built)
-    raise ServerFailed("There is no program 'espalier'. Build it with './dev build' in the source tree, then put it on the PATH "
-                       f"or name it in the variable {PROGRAM_VARIABLE}.")
+    raise ServerFailed("There is no program 'espalier'. Install its Debian package or the wheel that has it (docs/install.md), or build it with "
+                       f"'./dev build' in the source tree; then put it on the PATH or name it in the variable {PROGRAM_VARIABLE}.")
 
 
 def drawn_by(program: str, snapshot: bytes, suffix: str, *options: str, seconds: Optional[float] = None) -> bytes:

@@ -33,8 +33,8 @@ class Server:
         `errors` (None: this program's standard error)."""
         found = shutil.which(os.fspath(program))
         if found is None:
-            raise ServerFailed(f"There is no program '{os.fspath(program)}'. Build it with './dev build' and give its path, "
-                               "build/release/bin/espalier.")
+            raise ServerFailed(f"There is no program '{os.fspath(program)}'. Install Espalier (docs/install.md) or build it with "
+                               "'./dev build', and give the path of its program.")
         # a server whose standard input ends, because this program ended in whatever way, ends too
         command: List[str] = [found, "serve", "--listen", listen, "--until-input-ends", *arguments]
         try:

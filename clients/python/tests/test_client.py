@@ -163,7 +163,7 @@ class Talking(unittest.TestCase):
 
 class Launching(unittest.TestCase):
     def test_a_program_that_is_not_there(self) -> None:
-        with self.assertRaisesRegex(ServerFailed, "There is no program 'no-such-espalier'. Build it with './dev build'"):
+        with self.assertRaisesRegex(ServerFailed, "There is no program 'no-such-espalier'. Install Espalier"):
             Server("no-such-espalier")
 
     def test_a_program_that_ends_at_once(self) -> None:

@@ -201,6 +201,17 @@ class Requests(unittest.TestCase):
         self.assertEqual(error["data"], {"environment": "broken", "retryable": False, "step": 4})
         self.assertIn("Traceback", trace.getvalue())
 
+    def test_a_class_without_a_method_is_told_in_whole_sentences(self) -> None:
+        class Mistyped(Environment):
+            def answr(self, query: Query) -> List[float]:
+                return [1]
+
+        host = self.opened(Mistyped)
+        with contextlib.redirect_stderr(io.StringIO()):
+            error = self.step(host, 4, query(0, 0.0))
+        self.assertTrue(error["message"].endswith("defines neither answer(self, query) nor step(self, queries). "
+                                                  "The environment's standard error has the whole trace."), error["message"])
+
     def test_an_answer_that_is_not_finite_is_an_error(self) -> None:
         error = self.step(self.opened(Infinite), 0, query(7, 1.0))
         self.assertEqual(error["code"], hosting.NON_FINITE)

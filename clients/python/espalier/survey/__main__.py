@@ -66,7 +66,7 @@ def main(arguments: "Optional[List[str]]" = None) -> int:
         print(f"error: a number of {options.source} or of the options is too large ({error}).", file=sys.stderr)
         return 1
     except OSError as error:
-        print(f"error: {into} cannot be written ({error}): give a path in a folder that exists and has room.", file=sys.stderr)
+        print(f"error: {into} cannot be written ({error.strerror or error}): give a path in a folder that exists, that you may write to and that has room.", file=sys.stderr)
         return 1
     return 0
 
