@@ -62,7 +62,7 @@ class Pages(unittest.TestCase):
 # of the tests of the studio, those that take no minutes in a browser without a graphics card
 SHORT = (
     "panel|message|menu|specifications|same shape|set of them|control point|surface file|environment of a document|sliders are|a colour|differences leave|a frame that changes|a segment that goes|a gallery model grows|a slider that|"
-    "a model is written|no letter|a server with a token|axe finds|full turn|archive has|has a view is shown|a held frame|first hello|no page had")
+    "a model is written|no letter|a server with a token|axe finds|full turn|archive has|film has|camera sees|has a view is shown|a held frame|first hello|no page had")
 
 
 @unittest.skipUnless(PROGRAM, "Chromium is not installed (Debian: chromium)")

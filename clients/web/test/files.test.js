@@ -7,6 +7,7 @@ import { dirname, join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
+import { timesOf } from "./webm.js";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
@@ -23,6 +24,7 @@ const surface = await load("surface.ts");
 const turns = await load("turns.ts");
 const { archiveOf } = await load("archive.ts");
 const { Frames } = await load("frames.ts");
+const { webmOf } = await load("webm.ts");
 
 const NEW_PANEL = `target: Lsystem
 panel name: Growth
@@ -314,6 +316,27 @@ test("an archive has the files as they were, for another program's reader", asyn
     writeFileSync(join(place, "all.zip"), new Uint8Array(await archiveOf(files).arrayBuffer()));
     const read = spawnSync("python3", ["-c", "import json, sys, zipfile; z = zipfile.ZipFile(sys.argv[1]); print(json.dumps([z.testzip(), {n: z.read(n).hex() for n in z.namelist()}]))", join(place, "all.zip")], { encoding: "utf8" });
     assert.deepEqual(JSON.parse(read.stdout), [null, Object.fromEntries([...files].map(([name, bytes]) => [name, Buffer.from(bytes).toString("hex")]))], read.stderr);
+  } finally {
+    rmSync(place, { recursive: true });
+  }
+});
+
+test("a film has all its pictures at their times, for another program's reader", async (context) => {
+  const pictures = Array.from({ length: 150 }, (_, i) => ({ data: Uint8Array.of(i % 60 ? 1 : 0, 2, 3, i), milliseconds: 70 * i, isKey: i % 60 === 0 }));
+  const bytes = new Uint8Array(await webmOf(pictures, "V_VP8", 320, 240, 10_500).arrayBuffer());
+  assert.deepEqual(timesOf(bytes), pictures.map(({ milliseconds }) => milliseconds));
+  const place = mkdtempSync(join(tmpdir(), "espalier-film-"));
+  try {
+    writeFileSync(join(place, "film.webm"), bytes);
+    const read = spawnSync("ffprobe", ["-v", "error", "-show_entries", "format=format_name,duration:stream=codec_name:packet=size,flags", "-of", "compact", join(place, "film.webm")], { encoding: "utf8" });
+    if (read.error) {
+      context.diagnostic("ffprobe is not installed");
+      return;
+    }
+    assert.match(read.stdout, /codec_name=vp8/);
+    assert.match(read.stdout, /format_name=matroska,webm\|duration=10\.5/);
+    assert.equal(read.stdout.match(/packet\|size=4\|flags=K/g).length, 3, read.stdout);
+    assert.equal(read.stdout.match(/packet\|size=4/g).length, 150);
   } finally {
     rmSync(place, { recursive: true });
   }

@@ -8,7 +8,7 @@ import { build } from "esbuild";
 const here = dirname(fileURLToPath(import.meta.url));
 
 async function load() {
-  const contents = `export { Plants } from "./plants.js"; export { Geometry } from "espalier";`;
+  const contents = `export { Plants } from "./plants.js"; export { Bounds } from "./measures.js"; export { Vector3 } from "three"; export { Geometry } from "espalier";`;
   const { outputFiles } = await build({
     stdin: { contents, resolveDir: join(here, "../src/view"), loader: "ts" },
     tsconfig: join(here, "../tsconfig.json"),
@@ -19,7 +19,7 @@ async function load() {
   return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
 }
 
-const { Plants, Geometry } = await load();
+const { Plants, Bounds, Vector3, Geometry } = await load();
 const SYMBOLS = ["F", "G", "L", "X"];
 const NEW = 0xffffffff;
 
@@ -144,4 +144,35 @@ test("a segment that goes at the end takes its place out of the bounds", () => {
   const none = { form: "difference", widths: "world", symbols: SYMBOLS, ...segmentsOf([]), ...organsOf([]) };
   plants.update(geometry, geometry.apply({ ...none, segmentRuns: [0, 38, 0], organRuns: [] }, {}), 1, "model");
   assert.ok(plants.bounds.max.y <= 5);
+});
+
+test("a camera sees all of a plant from all sides, and is not much farther than it must be", () => {
+  const numbers = random(11);
+  for (let round = 0; round < 20; ++round) {
+    // a crown on a stem
+    const points = Array.from({ length: 400 }, (_, i) => (i < 100 ? [0, i / 50, 0] : [numbers.real(3), 2 + numbers.real(2), numbers.real(3)]));
+    const bounds = new Bounds();
+    bounds.update([points.flat()], points.length, [{ begin: 0, end: points.length }]);
+    const centre = new Vector3(0, 1.5, 0);
+    const [across, up] = [0.2 + numbers.below(5) / 10, 0.3];
+    const tilt = numbers.real(2);
+    const distance = bounds.distanceToSee(centre, new Vector3(0, Math.sin(tilt), Math.cos(tilt)), across, up);
+    /** The largest part of half the picture that a point needs, over a turn. */
+    const reach = (away) => {
+      let most = 0;
+      for (let turn = 0; turn < 2 * Math.PI; turn += 0.1) {
+        const toCamera = new Vector3(Math.sin(turn) * Math.cos(tilt), Math.sin(tilt), Math.cos(turn) * Math.cos(tilt));
+        const right = new Vector3(Math.cos(turn), 0, -Math.sin(turn));
+        const over = toCamera.clone().cross(right);
+        for (const point of points) {
+          const from = new Vector3(...point).sub(centre);
+          const depth = away - from.dot(toCamera);
+          most = Math.max(most, Math.abs(from.dot(right)) / depth / across, Math.abs(from.dot(over)) / depth / up);
+        }
+      }
+      return most;
+    };
+    assert.ok(reach(distance) <= 1 + 1e-9, `${reach(distance)} at ${tilt}`);
+    assert.ok(reach(0.6 * distance) > 1, `${reach(0.6 * distance)} at ${tilt}`);
+  }
 });

@@ -14,6 +14,12 @@ test("a fork stands beside the plant: both make the same steps, one camera looks
   await page.keyboard.press("b");
   const beside = (step) => page.waitForFunction((wanted) => document.getElementById("plant-beside")?.dataset.step === String(wanted), step);
   await beside(last - 2);
+  // half as wide as before, and the plant is in it as a whole
+  const sides = () => page.evaluate(() => [studio.view, studio.beside.view].flatMap((view) => {
+    const { min, max } = view.plants.bounds;
+    return [min, max].map((corner) => corner.clone().setY((min.y + max.y) / 2).project(view.camera).x);
+  }));
+  assert.ok((await sides()).every((x) => Math.abs(x) < 1), String(await sides()));
   // a cut in the middle of the first one
   const place = await lineAt(page);
   await page.mouse.click(place.x, place.y);

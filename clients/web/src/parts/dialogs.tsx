@@ -5,8 +5,9 @@ import type { Studio } from "../studio/studio.js";
 import { download, linkTo } from "../studio/share.js";
 import { filmGrowth, filmTurn } from "../studio/film.js";
 import { MOST_PLANTS, standOf } from "../studio/stand.js";
+import { archiveOf } from "../studio/archive.js";
 import { bytesOf } from "../studio/palette.js";
-import { newDocument, publishedFileOf } from "../studio/document.js";
+import { newDocument, orderedFiles, publishedFileOf } from "../studio/document.js";
 import { listSaved, nameFor, openSaved, saveOnServer } from "../studio/saved.js";
 import { IconButton } from "./icons.js";
 
@@ -144,6 +145,9 @@ export async function openFiles(studio: Studio, list: FileList): Promise<void> {
   await studio.openDocument({ title: main.replace(MODEL_SUFFIX, ""), main, files, binary, environment: null, gallery: null });
 }
 
+// names that mean the computer that reads them
+const LOOPBACK = /^(localhost|127\..*|\[::1\])$/;
+
 export function ShareDialog({ studio, onClose }: { studio: Studio; onClose: () => void }) {
   const [link, setLink] = useState("");
   const [copied, setCopied] = useState(""); // the link that was copied last
@@ -169,6 +173,8 @@ export function ShareDialog({ studio, onClose }: { studio: Studio; onClose: () =
       <div class="row">
         <button type="button" id="copy-watch" disabled={!studio.simulation} onClick={() => void copy(running)}>{copied === running ? "Copied" : "Copy the link to watch"}</button>
       </div>
+      {LOOPBACK.test(location.hostname) && <p class="quiet" id="only-here">This page came from {location.host}, an address of this computer that no other reaches. For a class, start the server at the computer's
+        address, with a token and a certificate (docs/howto/in-a-class.md), and share the links from there.</p>}
     </Dialog>
   );
 }
@@ -205,6 +211,11 @@ export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () 
     void studio.act(() => longWork(studio, "recording", (signal) => make(studio, signal), `${name}${suffix}.webm`));
   };
   const name = studio.document.title.replace(/[^\w.-]+/g, "-").replace(/\.\w+$/, "");
+  const { files, binary } = studio.document;
+  const all = new Map([
+    ...orderedFiles(studio.document).map((file) => [file, new TextEncoder().encode(files[file])] as const),
+    ...Object.entries(binary).map(([file, base64]) => [file, bytesOf(base64) as Uint8Array<ArrayBuffer>] as const),
+  ]);
   const save = (suffix: string) =>
     studio.act(async () => download(`${name}.${suffix}`, await studio.fetchFile(`/simulations/${studio.simulation!.id}/${name}.${suffix}`)));
   return (
@@ -212,16 +223,17 @@ export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () 
       {studio.saved && !studio.isReadOnly && <SaveOnServer studio={studio} onDone={onClose} />}
       <h3>The model</h3>
       <div class="list">
-        {Object.entries(studio.document.files).map(([file, text]) => (
-          <button type="button" key={file} onClick={() => download(file, text)}>{file}</button>
+        {orderedFiles(studio.document).map((file) => (
+          <button type="button" key={file} onClick={() => download(file, studio.document.files[file])}>{file}</button>
         ))}
         {Object.entries(studio.document.binary).map(([file, base64]) => (
           <button type="button" key={file} onClick={() => download(file, new Blob([bytesOf(base64) as Uint8Array<ArrayBuffer>]))}>{file}</button>
         ))}
+        {all.size > 1 && <button type="button" id="save-all" onClick={() => download(`${name}.zip`, archiveOf(all))}>All as ZIP</button>}
       </div>
       <h3>The plant at step {studio.step}</h3>
       <div class="list">
-        <button type="button" onClick={() => void (async () => download(`${name}.png`, await (await fetch(studio.view!.picture())).blob()))()}>The view as a picture</button>
+        <button type="button" id="save-view" disabled={!studio.view} onClick={() => void studio.act(async () => download(`${name}-view.png`, await studio.view!.picture()))}>The view as a picture</button>
         <button type="button" id="film" disabled={!studio.simulation || !studio.isOwn || studio.step === 0} onClick={() => film("", filmGrowth)}>WebM: a film of the growth</button>
         <button type="button" id="film-turn" disabled={!studio.simulation} onClick={() => film("-turn", filmTurn)}>WebM: a turn around the plant</button>
         {EXPORTS.map(([suffix, label]) => (
@@ -242,7 +254,10 @@ function ManyPlants({ studio, name, onDone }: { studio: Studio; name: string; on
     onDone();
     const { seed } = studio;
     const told = (made: number) => studio.say(`${made} of ${count} plants`);
-    void studio.act(() => longWork(studio, "growing", (signal) => standOf(studio, name, seed, count, suffix, told, signal), `${name}-seeds.zip`));
+    void studio.act(async () => {
+      await longWork(studio, "growing", (signal) => standOf(studio, name, seed, count, suffix, told, signal), `${name}-seeds.zip`);
+      studio.say(`${name}-seeds.zip is saved.`);
+    });
   };
   return (
     <form id="many-plants" onSubmit={(event) => { event.preventDefault(); save(); }}>

@@ -1,17 +1,30 @@
-// A ruler and a protractor over the view: three points that a person drags. They lie on the screen, at the depth of the plant's foot.
+// A ruler and a protractor over the view: three points that a person drags. They face the camera at the depth of the plant's foot, and
+// move with the picture when the camera comes nearer.
 import type { View } from "../view/scene.js";
 
-export type Point = [number, number]; // pixels of the view
+export type Point = [number, number]; // right of the plant's foot and above it, in units of the model
 
-const WAYS: Record<string, Point> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+type Place = [x: number, y: number]; // pixels of the view, from the top left
+
+const WAYS: Record<string, Place> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const NAMES = ["End of the first leg", "Vertex of the angle", "End of the second leg"];
 
-const apart = ([x, y]: Point, [x1, y1]: Point): number => Math.hypot(x1 - x, y1 - y);
+export const apart = ([x, y]: Point, [x1, y1]: Point): number => Math.hypot(x1 - x, y1 - y);
 const shortNumber = (value: number): string => String(Number(value.toPrecision(3)));
 
 /** Where the three points lie at the beginning. */
-export const pointsIn = ({ element: { clientWidth, clientHeight } }: View): Point[] =>
-  [[0.42, 0.3], [0.5, 0.6], [0.58, 0.3]].map(([x, y]) => [x * clientWidth, y * clientHeight]);
+export const pointsIn = (view: View): Point[] =>
+  [[0.42, 0.3], [0.5, 0.6], [0.58, 0.3]].map(([x, y]) => pointAt(view, [x * view.element.clientWidth, y * view.element.clientHeight]));
+
+function pointAt(view: View, [px, py]: Place): Point {
+  const { x, y, unitsPerPixel } = view.foot();
+  return [(px - x) * unitsPerPixel, (y - py) * unitsPerPixel];
+}
+
+function placeOf(view: View, [right, up]: Point): Place {
+  const { x, y, unitsPerPixel } = view.foot();
+  return [x + right / unitsPerPixel, y - up / unitsPerPixel];
+}
 
 /** The angle at the middle one of three points, in degrees from 0 to 180. */
 export function angleAt([a, b, c]: Point[]): number {
@@ -22,7 +35,8 @@ export function angleAt([a, b, c]: Point[]): number {
 /** The points and the legs between them. `onPoint`: a point is put to another place. */
 export function Protractor({ view, points, onPoint }: { view: View; points: Point[]; onPoint: (which: number, place: Point) => void }) {
   const { clientWidth: width, clientHeight: height } = view.element;
-  const put = (which: number, [x, y]: Point) => onPoint(which, [Math.min(Math.max(x, 0), width), Math.min(Math.max(y, 0), height)]);
+  const places = points.map((point) => placeOf(view, point));
+  const put = (which: number, [x, y]: Place) => onPoint(which, pointAt(view, [Math.min(Math.max(x, 0), width), Math.min(Math.max(y, 0), height)]));
   const dragged = (which: number, event: PointerEvent) => {
     if ((event.currentTarget as Element).hasPointerCapture(event.pointerId)) {
       const box = view.element.getBoundingClientRect();
@@ -35,14 +49,14 @@ export function Protractor({ view, points, onPoint }: { view: View; points: Poin
       event.preventDefault();
       event.stopPropagation();
       const pixels = event.shiftKey ? 10 : 1;
-      put(which, [points[which][0] + way[0] * pixels, points[which][1] + way[1] * pixels]);
+      put(which, [places[which][0] + way[0] * pixels, places[which][1] + way[1] * pixels]);
     }
   };
-  const legs = points.map((point) => point.join(",")).join(" ");
+  const legs = places.map((place) => place.join(",")).join(" ");
   return (
     <>
       <svg class="measure" width={width} height={height} aria-hidden="true"><polyline class="halo" points={legs} /><polyline points={legs} /></svg>
-      {points.map(([x, y], i) => (
+      {places.map(([x, y], i) => (
         <button key={i} type="button" class="measure-point" style={{ left: `${x}px`, top: `${y}px` }} aria-label={`${NAMES[i]}: drag it, or press arrow keys`}
           onPointerDown={(event) => event.currentTarget.setPointerCapture(event.pointerId)} onPointerMove={(event) => dragged(i, event)} onKeyDown={(event) => pressed(i, event)} />
       ))}
@@ -51,9 +65,8 @@ export function Protractor({ view, points, onPoint }: { view: View; points: Poin
 }
 
 /** What the points measure. `onLength`: a person knows the length of what the first leg lies on. */
-export function Measured({ view, points, onLength }: { view: View; points: Point[]; onLength?: (length: number) => void }) {
-  const { unitsPerPixel } = view.foot();
-  const [first, second] = [apart(points[0], points[1]), apart(points[1], points[2])].map((pixels) => shortNumber(pixels * unitsPerPixel));
+export function Measured({ points, onLength }: { points: Point[]; onLength?: (length: number) => void }) {
+  const [first, second] = [apart(points[0], points[1]), apart(points[1], points[2])].map(shortNumber);
   const known = (length: number) => length > 0 && onLength?.(length);
   return (
     <>

@@ -3,7 +3,7 @@ import type { JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
 import { IconButton } from "./icons.js";
-import { Measured, Protractor, pointsIn } from "./measure.js";
+import { Measured, Protractor, apart, pointsIn } from "./measure.js";
 import type { Point } from "./measure.js";
 
 /** What lies over the view, and the tools; `isUsed`: there is a photograph, or somebody measures. */
@@ -12,12 +12,15 @@ export function usePhotograph(studio: Studio): { overlay: JSX.Element; tools: JS
   const [url, setUrl] = useState("");
   const [height, setHeight] = useState(1);
   const [strength, setStrength] = useState(1);
-  const [way, setWay] = useState([0, 0]); // of its foot from the plant's, in world units
+  const [way, setWay] = useState<Point>([0, 0]); // of its foot from the plant's, in world units
   const [plantStrength, setPlantStrength] = useState(1);
-  const [points, setPoints] = useState<Point[] | null>(null); // of ruler and protractor
+  const [points, setPoints] = useState<Point[] | null>(null); // of ruler and protractor, world units from the plant's foot
+  const [, viewMoved] = useState("");
   const [isHeld, setHeld] = useState(false); // drags in the view move the photograph instead of the camera
   const dragged = useRef(0); // pixels since the button was pressed
   const view = studio.view;
+  const hasPoints = points !== null;
+  const isUsed = url !== "" || hasPoints;
   const choose = (file: File | undefined) => {
     if (file && view) {
       URL.revokeObjectURL(url);
@@ -30,11 +33,16 @@ export function usePhotograph(studio: Studio): { overlay: JSX.Element; tools: JS
       return;
     }
     view.setBackground(url === "");
-    // it stands where the plant stands, and turns with nothing
+    view.holdFoot(isUsed);
+    view.photograph = url ? image.current : null;
+    // it stands where the plant stood when it came, and turns with nothing
     const place = () => {
       const element = image.current;
+      const { x, y, unitsPerPixel } = view.foot();
+      if (hasPoints) {
+        viewMoved([x, y, unitsPerPixel].map((value) => value.toPrecision(6)).join(" "));
+      }
       if (element) {
-        const { x, y, unitsPerPixel } = view.foot();
         const pixels = height / unitsPerPixel;
         Object.assign(element.style, { height: `${pixels}px`, left: `${x + way[0] / unitsPerPixel}px`, top: `${y - way[1] / unitsPerPixel - pixels}px` });
       }
@@ -42,7 +50,7 @@ export function usePhotograph(studio: Studio): { overlay: JSX.Element; tools: JS
     view.onDrawn = place;
     place();
     return () => (view.onDrawn = () => {});
-  }, [view, url, height, way]);
+  }, [view, url, height, way, hasPoints]);
   const moved = (event: PointerEvent) => {
     if ((event.currentTarget as Element).hasPointerCapture(event.pointerId)) {
       const { unitsPerPixel } = view!.foot();
@@ -67,13 +75,11 @@ export function usePhotograph(studio: Studio): { overlay: JSX.Element; tools: JS
   const putPoint = (which: number, place: Point) => setPoints((now) => now && now.map((point, i) => (i === which ? place : point)));
   // the first leg gets a length: the photograph grows with it, about the vertex
   const scaled = ([end, vertex]: Point[], length: number) => {
-    const { x, y, unitsPerPixel } = view!.foot();
-    const ratio = length / (Math.hypot(end[0] - vertex[0], end[1] - vertex[1]) * unitsPerPixel);
+    const ratio = length / apart(end, vertex);
     if (Number.isFinite(ratio)) {
-      const from = ([px, py]: Point): Point => [vertex[0] + (px - vertex[0]) * ratio, vertex[1] + (py - vertex[1]) * ratio];
-      const foot = from([x + way[0] / unitsPerPixel, y - way[1] / unitsPerPixel]);
+      const from = ([x, y]: Point): Point => [vertex[0] + (x - vertex[0]) * ratio, vertex[1] + (y - vertex[1]) * ratio];
       setHeight(Number((height * ratio).toPrecision(6)));
-      setWay([(foot[0] - x) * unitsPerPixel, (y - foot[1]) * unitsPerPixel]);
+      setWay(from);
       putPoint(0, from(end));
     }
   };
@@ -88,11 +94,10 @@ export function usePhotograph(studio: Studio): { overlay: JSX.Element; tools: JS
       {view && points && <Protractor view={view} points={points} onPoint={putPoint} />}
     </>
   );
-  const isUsed = url !== "" || points !== null;
   const tools = (
     <div class={`photograph-tools ${isUsed ? "" : "floating"}`}>
       {view && <label class="chip" title="A ruler and a protractor (M)"><input id="measure" type="checkbox" checked={points !== null} onChange={(event) => setPoints(event.currentTarget.checked ? pointsIn(view) : null)} />measure</label>}
-      {view && points && <Measured view={view} points={points} onLength={url ? (length) => scaled(points, length) : undefined} />}
+      {view && points && <Measured points={points} onLength={url ? (length) => scaled(points, length) : undefined} />}
       {!url && (
         <label class="chip" title="A photograph behind the plant. It stays in this page.">
           photograph …

@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Diagnostic } from "espalier";
 import type { Studio } from "../studio/studio.js";
-import { fileOf } from "../studio/document.js";
+import { orderedFiles } from "../studio/document.js";
 import { parseCurves } from "../studio/curve.js";
 import { parseSurface } from "../studio/surface.js";
 import { Editor, remedyOf } from "./editor.js";
@@ -12,13 +12,6 @@ import { LanguageHelp } from "./language_help.js";
 import { SurfaceBoard } from "./surface_board.js";
 
 const LENS_MILLISECONDS = 150;
-
-/** Files in the order in which a person needs them: the model, its view, the rest. */
-function ordered(studio: Studio): string[] {
-  const main = fileOf(studio.document.main);
-  const rank = (name: string) => (name === main ? 0 : name.endsWith(".v") ? 1 : name === "README.md" ? 3 : 2);
-  return Object.keys(studio.document.files).sort((a, b) => rank(a) - rank(b) || a.localeCompare(b));
-}
 
 export function TextPane({ studio }: { studio: Studio }) {
   const place = useRef<HTMLDivElement>(null);
@@ -89,7 +82,7 @@ export function TextPane({ studio }: { studio: Studio }) {
     <section class="text" aria-label="Text of the model">
       <div class="tabs files">
         <div role="tablist" aria-label="Files">
-          {ordered(studio).map((name) => (
+          {orderedFiles(studio.document).map((name) => (
           <button type="button" role="tab" key={name} aria-selected={name === openFile} onClick={() => { studio.openFile = name; studio.changed(); }}>{name}</button>
           ))}
         </div>
@@ -97,7 +90,7 @@ export function TextPane({ studio }: { studio: Studio }) {
           <input class="name" aria-label="Name of the new file" placeholder="leaf.s" autofocus
             onKeyDown={(event) => { if (event.key === "Enter") { studio.addFile(event.currentTarget.value.trim()); setNaming(false); } else if (event.key === "Escape") { setNaming(false); } }}
             onBlur={() => setNaming(false)} />
-        ) : (
+        ) : !studio.isReadOnly && (
           <IconButton icon="plus" label="New file" onClick={() => setNaming(true)} />
         )}
       </div>

@@ -202,3 +202,10 @@ export function newDocument(): Document {
     gallery: null,
   };
 }
+
+/** The texts in the order in which a person needs them: the model, its view, the rest. */
+export function orderedFiles({ main, files }: Document): string[] {
+  const first = fileOf(main);
+  const rank = (name: string) => (name === first ? 0 : name.endsWith(".v") ? 1 : name === "README.md" ? 3 : 2);
+  return Object.keys(files).sort((a, b) => rank(a) - rank(b) || a.localeCompare(b));
+}

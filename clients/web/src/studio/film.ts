@@ -2,6 +2,8 @@
 import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { Studio } from "./studio.js";
+import { webmOf } from "./webm.js";
+import type { CodedPicture } from "./webm.js";
 
 const FRAME_MILLISECONDS = 100;
 const REST_MILLISECONDS = 1200; // of the last picture
@@ -11,14 +13,68 @@ const TURN_MILLISECONDS = 70;
 
 const rest = (milliseconds: number) => new Promise((done) => setTimeout(done, milliseconds));
 
+const BITS_PER_SECOND = 8_000_000;
+const KEY_MILLISECONDS = 5000; // between pictures that need no picture before them
+const MOST_WAITING = 4; // pictures that the encoder has not begun
+
 /** Records what `pictures` draws; each of its numbers is the milliseconds for which the last picture stays. */
 async function record(view: View, pictures: AsyncIterable<number>): Promise<Blob> {
+  const { width, height } = view.renderer.domElement;
+  // of an even width and height, as encoders want it
+  const config = { codec: "vp8", width: width & ~1, height: height & ~1, bitrate: BITS_PER_SECOND };
+  // browsers give encoders to pages of https and of this machine only
+  const canEncode = typeof VideoEncoder !== "undefined" && (await VideoEncoder.isConfigSupported(config)).supported;
+  return canEncode ? encode(view, pictures, config) : recordLive(view, pictures);
+}
+
+/** No picture is lost, and each has its time, also where a machine is too slow to draw them in it. */
+async function encode(view: View, pictures: AsyncIterable<number>, config: VideoEncoderConfig): Promise<Blob> {
+  const { width, height } = config;
+  const coded: CodedPicture[] = [];
+  const problems: Error[] = [];
+  const encoder = new VideoEncoder({
+    output: (chunk) => {
+      const data = new Uint8Array(chunk.byteLength);
+      chunk.copyTo(data);
+      coded.push({ data, milliseconds: chunk.timestamp / 1000, isKey: chunk.type === "key" });
+    },
+    error: (error) => problems.push(error),
+  });
+  encoder.configure(config);
+  // the film keeps its size when the view gets another one
+  const canvas = Object.assign(document.createElement("canvas"), { width, height });
+  const context = canvas.getContext("2d", { alpha: false })!;
+  let time = 0;
+  let nextKey = 0;
+  for await (const milliseconds of pictures) {
+    context.drawImage(view.composed(), 0, 0, width, height);
+    const frame = new VideoFrame(canvas, { timestamp: 1000 * time, duration: 1000 * milliseconds });
+    encoder.encode(frame, { keyFrame: time >= nextKey });
+    frame.close();
+    nextKey = time >= nextKey ? time + KEY_MILLISECONDS : nextKey;
+    time += milliseconds;
+    do {
+      await rest(0); // a person may stop it
+    } while (encoder.encodeQueueSize > MOST_WAITING && problems.length === 0);
+  }
+  if (problems.length === 0) {
+    await encoder.flush();
+    encoder.close();
+  }
+  if (problems.length > 0) {
+    throw new Error(`The browser's encoder failed: ${problems[0].message}`);
+  }
+  return webmOf(coded, "V_VP8", width, height, time);
+}
+
+/** The browser records the view while it is drawn: slow pictures make a slow film. */
+async function recordLive(view: View, pictures: AsyncIterable<number>): Promise<Blob> {
   if (typeof MediaRecorder === "undefined" || !MediaRecorder.isTypeSupported("video/webm")) {
     throw new Error("This browser records no WebM. Use espalier run with --every -o growth.webm, or with --turntable 48 -o turn.webm.");
   }
   const stream = view.renderer.domElement.captureStream(0);
   const [track] = stream.getVideoTracks() as CanvasCaptureMediaStreamTrack[];
-  const recorder = new MediaRecorder(stream, { mimeType: "video/webm", videoBitsPerSecond: 8_000_000 });
+  const recorder = new MediaRecorder(stream, { mimeType: "video/webm", videoBitsPerSecond: BITS_PER_SECOND });
   const pieces: Blob[] = [];
   recorder.ondataavailable = ({ data }) => pieces.push(data);
   const stopped = new Promise((done) => (recorder.onstop = done));
@@ -26,7 +82,7 @@ async function record(view: View, pictures: AsyncIterable<number>): Promise<Blob
     recorder.start();
     for await (const milliseconds of pictures) {
       track.requestFrame();
-      await rest(milliseconds);
+      await Promise.all([nextFrame(), rest(milliseconds)]);
     }
   } finally {
     recorder.stop();

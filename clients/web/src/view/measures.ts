@@ -72,6 +72,31 @@ export class Bounds {
     boxes[to + 5] = highZ;
   }
 
+  /**
+   * How far from `centre` a camera must be, in `direction`, to see everything, also when it turns about the vertical through `centre`.
+   * `across`, `up`: half of what it sees at distance 1.
+   */
+  distanceToSee(centre: Vector3, direction: Vector3, across: number, up: number): number {
+    const rise = direction.y;
+    const level = Math.sqrt(Math.max(0, 1 - rise * rise));
+    const sideways = Math.hypot(1 / across, level);
+    // a point above and one below the middle of the picture
+    const above = Math.abs(level - rise / up);
+    const below = Math.abs(level + rise / up);
+    const { boxes } = this;
+    let distance = 0;
+    for (let at = 0; at < 6 * Math.ceil(this.count / BLOCK); at += 6) {
+      const x = Math.max(Math.abs(boxes[at] - centre.x), Math.abs(boxes[at + 3] - centre.x));
+      const z = Math.max(Math.abs(boxes[at + 2] - centre.z), Math.abs(boxes[at + 5] - centre.z));
+      const radius = Math.hypot(x, z);
+      for (const y of [boxes[at + 1] - centre.y, boxes[at + 4] - centre.y]) {
+        const upright = Math.max((y * level) / up + radius * above, (-y * level) / up + radius * below);
+        distance = Math.max(distance, y * rise + Math.max(upright, radius * sideways));
+      }
+    }
+    return distance;
+  }
+
   private union(blocks: number): Box3 {
     const low = [0, 0, 0];
     const high = [0, 0, 0];
@@ -87,6 +112,13 @@ export class Bounds {
     }
     return new Box3(new Vector3(...low), new Vector3(...high));
   }
+}
+
+/** Those of a box. */
+export function boundsOf({ min, max }: Box3): Bounds {
+  const bounds = new Bounds();
+  bounds.update([[...min.toArray(), ...max.toArray()]], 2, [{ begin: 0, end: 2 }]);
+  return bounds;
 }
 
 /** The nearest segment or organ on a ray, or nothing. `onePixel`: its size at distance 1; thin lines get some pixels. */

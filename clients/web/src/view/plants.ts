@@ -1,5 +1,6 @@
 // The plants of a simulation as meshes, from its columns. What a frame leaves as it was is neither computed nor sent again.
 import { Box3 } from "three";
+import type { Vector3 } from "three";
 import { NEW_ROWS, Rows } from "espalier";
 import type { Geometry, GeometryChange, RowRange, TurtleTable } from "espalier";
 import { painting } from "./colours.js";
@@ -49,6 +50,11 @@ export class Plants {
     }
     this.bounds = segmentBox.union(this.organBox);
     this.paint(mode, isSame ? changed : null, hasOtherOrgans);
+  }
+
+  /** How far from `centre` a camera must be to see the plants from all sides. */
+  distanceToSee(centre: Vector3, direction: Vector3, across: number, up: number): number {
+    return Math.max(this.segmentBounds.distanceToSee(centre, direction, across, up), this.organBounds.distanceToSee(centre, direction, across, up));
   }
 
   private bear(kind: "segments" | "organs", count: number, runs: GeometryChange["segmentRuns"] | null): void {

@@ -25,14 +25,15 @@ import type { ColourMode, Legend, ModelPalette } from "./colours.js";
 import { FieldView, fieldBox } from "./fields.js";
 import type { Field, FieldLook } from "./fields.js";
 import { GpuClock, onNextFrame } from "./frames.js";
-import { pick } from "./measures.js";
+import { boundsOf, pick } from "./measures.js";
 import { freeObject, texturesOf } from "./objects.js";
-import type { Picked } from "./measures.js";
+import type { Bounds, Picked } from "./measures.js";
 import { Plants } from "./plants.js";
 import { Surroundings } from "./surroundings.js";
 import type { Solid } from "./surroundings.js";
 
 const FIELD_OF_VIEW = 32;
+const FIT_MARGIN = 1.12; // the plant does not touch the rim, nor the tools there
 const CONTEXT = { antialias: true, alpha: true, preserveDrawingBuffer: true };
 
 /** A canvas whose graphics card has been asked for: the card answers while the page is made. */
@@ -82,6 +83,9 @@ export class View {
   private isTurned = false; // by a person, who does not want it turned back
   private other: Object3D | null = null; // an object of a file instead of the columns
   private partner: View | null = null; // it is looked at from the same place
+  private anchor: Vector3 | null = null; // the foot of the plants when the photograph or the ruler came
+  /** What lies behind the canvas. */
+  photograph: HTMLImageElement | null = null;
 
   constructor(
     readonly element: HTMLElement,
@@ -311,6 +315,9 @@ export class View {
       this.renderer.setSize(clientWidth, clientHeight);
       // another size empties the canvas; in the beginning there is nothing to draw
       if (x > 0) {
+        if (this.fitted && !this.isTurned) {
+          this.fit(this.fitted); // a narrow view sees less
+        }
         this.drawNow();
         this.onFitted(); // a pixel shows another length
       } else {
@@ -362,17 +369,10 @@ export class View {
     const size = box.getSize(new Vector3());
     const slope = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
     const radius = Math.max(size.length() / 2, 1e-6);
-    // the camera may turn about the vertical; corners of the box are seldom filled
-    const width = 1.1 * Math.max(size.x, size.z);
     const isFlat = size.z < 0.02 * radius;
     const front = this.first ?? new Vector3(0, isFlat ? 0 : 0.2, 1);
     const direction = (this.fitted ? this.camera.position.clone().sub(this.controls.target) : front.clone()).normalize();
-    // from above, the width of the box is a part of the height of the picture, and its height a part of the depth
-    const rise = Math.abs(direction.y);
-    const level = Math.sqrt(Math.max(0, 1 - rise * rise));
-    const height = size.y * level + width * rise;
-    const depth = size.y * rise + width * level;
-    const distance = 1.15 * Math.max(height / 2 / slope, width / 2 / slope / this.camera.aspect) + depth / 2;
+    const distance = this.distanceToSee(box, centre, direction, slope * this.camera.aspect, slope);
     this.camera.position.copy(centre).add(direction.multiplyScalar(distance));
     this.camera.near = distance / 200;
     this.camera.far = distance + 40 * radius;
@@ -384,6 +384,16 @@ export class View {
     this.onFitted();
   }
 
+  /** How far the camera must be to see what is in a box; it may turn about the vertical. A box larger than the plants leaves room for what grows. */
+  private distanceToSee(box: Box3, centre: Vector3, direction: Vector3, across: number, up: number): number {
+    const seen: Array<Plants | Bounds> = [this, this.partner].flatMap((view) => (view && !view.plants.bounds.isEmpty() ? [view.plants] : []));
+    const room = seen.length > 0 ? box.getSize(new Vector3()).length() / Math.max(this.wholeBounds.getSize(new Vector3()).length(), 1e-9) : 1;
+    if (this.field || seen.length === 0) {
+      seen.push(boundsOf(box));
+    }
+    return FIT_MARGIN * Math.max(1, room) * Math.max(1e-6, ...seen.map((one) => one.distanceToSee(centre, direction, across, up)));
+  }
+
   /** Moves back when the plant has grown beyond what was fitted. */
   private fitGrown(isLast: boolean): void {
     const isLoose = isLast && !this.isTurned;
@@ -391,6 +401,8 @@ export class View {
     if (!bounds.isEmpty() && (isLoose || !this.fitted || !this.fitted.containsBox(bounds))) {
       // a margin for the next steps
       const box = this.fitted && !isLast ? bounds.clone().expandByVector(bounds.getSize(new Vector3()).multiplyScalar(0.1)) : bounds.clone();
+      // another model stands elsewhere
+      this.anchor = this.anchor && !this.fitted ? this.footPoint() : this.anchor;
       this.fit(box);
       this.fitted = box;
       if (this.partner) {
@@ -490,10 +502,19 @@ export class View {
     return this.plants.bounds.isEmpty() ? 1 : Math.max(this.plants.bounds.max.y - this.plants.bounds.min.y, 1e-6);
   }
 
+  private footPoint(): Vector3 {
+    const { bounds } = this.plants;
+    return bounds.isEmpty() ? new Vector3() : bounds.getCenter(new Vector3()).setY(bounds.min.y);
+  }
+
+  /** The foot stays where it is, also when the plants grow or get other angles: a photograph does not follow them. */
+  holdFoot(isHeld: boolean): void {
+    this.anchor = isHeld ? (this.anchor ?? this.footPoint()) : null;
+  }
+
   /** Where on the canvas the plants stand, in pixels, and the world units of a pixel there. */
   foot(): { x: number; y: number; unitsPerPixel: number } {
-    const centre = this.plants.bounds.isEmpty() ? new Vector3() : this.plants.bounds.getCenter(new Vector3());
-    const point = new Vector3(centre.x, this.plants.bounds.isEmpty() ? 0 : this.plants.bounds.min.y, centre.z);
+    const point = this.anchor?.clone() ?? this.footPoint();
     const depth = -point.clone().applyMatrix4(this.camera.matrixWorldInverse).z;
     const { clientWidth, clientHeight } = this.element;
     point.project(this.camera);
@@ -512,10 +533,28 @@ export class View {
     };
   }
 
-  picture(): string {
+  /** Draws what is seen, with everything about it. */
+  private drawComplete(): HTMLCanvasElement {
     this.complete();
     this.drawNow();
-    return this.renderer.domElement.toDataURL("image/png");
+    return this.renderer.domElement;
+  }
+
+  /** What was drawn last, over the photograph behind it. */
+  composed(): HTMLCanvasElement {
+    const canvas = this.renderer.domElement;
+    return this.photograph ? overPhotograph(canvas, this.photograph, this.settings.isDark) : canvas;
+  }
+
+  /** The view as a PNG file, with the photograph that lies behind it. */
+  async picture(): Promise<Blob> {
+    this.drawComplete();
+    const whole = this.composed();
+    const made = await new Promise<Blob | null>((done) => whole.toBlob(done, "image/png"));
+    if (!made) {
+      throw new Error("The browser makes no picture of this size. Make the window smaller.");
+    }
+    return made;
   }
 
   /** A picture of other plants, as a whole, seen from the side from which another view looks. */
@@ -529,7 +568,7 @@ export class View {
     // one drawing is enough
     this.isDrawing = true;
     this.update(geometry, { ...change, isWhole: true }, 0, true);
-    const made = this.picture();
+    const made = this.drawComplete().toDataURL("image/png");
     this.isDrawing = false;
     return made;
   }
@@ -544,7 +583,22 @@ export class View {
   }
 }
 
-function backgroundTexture(isDark: boolean): CanvasTexture {
+/** Background, photograph and plant as they lie over each other on the page. */
+function overPhotograph(plant: HTMLCanvasElement, photograph: HTMLImageElement, isDark: boolean): HTMLCanvasElement {
+  const canvas = document.createElement("canvas");
+  const { width, height } = Object.assign(canvas, { width: plant.width, height: plant.height });
+  const context = canvas.getContext("2d")!;
+  const [view, seen] = [plant, photograph].map((element) => element.getBoundingClientRect());
+  const scale = width / view.width;
+  context.drawImage(backgroundCanvas(isDark), 0, 0, width, height);
+  context.globalAlpha = Number(photograph.style.opacity || 1);
+  context.drawImage(photograph, (seen.left - view.left) * scale, (seen.top - view.top) * scale, seen.width * scale, seen.height * scale);
+  context.globalAlpha = Number(plant.style.opacity || 1);
+  context.drawImage(plant, 0, 0);
+  return canvas;
+}
+
+function backgroundCanvas(isDark: boolean): HTMLCanvasElement {
   const canvas = document.createElement("canvas");
   canvas.width = 2;
   canvas.height = 256;
@@ -554,7 +608,11 @@ function backgroundTexture(isDark: boolean): CanvasTexture {
   stops.forEach((stop, i) => gradient.addColorStop(i / 2, stop));
   context.fillStyle = gradient;
   context.fillRect(0, 0, 2, 256);
-  const texture = new CanvasTexture(canvas);
+  return canvas;
+}
+
+function backgroundTexture(isDark: boolean): CanvasTexture {
+  const texture = new CanvasTexture(backgroundCanvas(isDark));
   texture.colorSpace = SRGBColorSpace;
   return texture;
 }
