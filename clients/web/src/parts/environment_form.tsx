@@ -4,6 +4,7 @@ import { publishedFileOf } from "../studio/document.js";
 import type { Studio } from "../studio/studio.js";
 import type { EnvironmentEntry, Property } from "../studio/types.js";
 import { IconButton } from "./icons.js";
+import { NumberField } from "./number_field.js";
 
 type Process = Record<string, unknown> & { type: string };
 
@@ -53,6 +54,11 @@ function Setting({ id, name, property, value, onChange }: { id: string; name: st
       setProblem((error as Error).message);
     }
   };
+  const numeric = (input: HTMLInputElement) => {
+    const isRight = input.checkValidity() && Number.isFinite(input.valueAsNumber);
+    setProblem(isRight ? "" : input.validationMessage || "Write a number.");
+    return isRight && (onChange(input.valueAsNumber), true);
+  };
   const isList = property.type === "array" && !isNumeric(property.items?.type);
   let field;
   if (property.enum) {
@@ -61,11 +67,10 @@ function Setting({ id, name, property, value, onChange }: { id: string; name: st
     field = <input id={id} type="checkbox" checked={Boolean(shown)} onChange={(event) => onChange(event.currentTarget.checked)} />;
   } else if (isNumeric(property.type)) {
     field = (
-      <input id={id} type="number" step={property.type === "integer" ? 1 : "any"} min={property.minimum ?? property.exclusiveMinimum} max={property.maximum} value={shown as number}
-        onChange={(event) => (event.currentTarget.checkValidity() && Number.isFinite(event.currentTarget.valueAsNumber) ? (setProblem(""), onChange(event.currentTarget.valueAsNumber)) : setProblem(event.currentTarget.validationMessage || "Write a number."))} />
+      <NumberField id={id} step={property.type === "integer" ? 1 : "any"} min={property.minimum ?? property.exclusiveMinimum} max={property.maximum} value={shown as number} onDone={numeric} />
     );
   } else if (property.type === "string") {
-    field = <textarea id={id} rows={1} spellcheck={false} value={String(shown ?? "")} onChange={(event) => onChange(event.currentTarget.value)} />;
+    field = <textarea id={id} rows={1} spellcheck={false} value={draft ?? String(shown ?? "")} onInput={(event) => setDraft(event.currentTarget.value)} onChange={(event) => { setDraft(null); onChange(event.currentTarget.value); }} />;
   } else {
     const text = settingText(shown, property);
     field = <textarea id={id} rows={Math.min(text.split("\n").length, 8)} spellcheck={false} value={draft ?? text} onInput={(event) => setDraft(event.currentTarget.value)} onChange={(event) => structured(event.currentTarget.value)} />;

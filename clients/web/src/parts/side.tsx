@@ -9,6 +9,7 @@ import { remarkOn } from "../studio/turns.js";
 import { ColourBoard } from "./colour_board.js";
 import { EnvironmentForm } from "./environment_form.js";
 import { IconButton } from "./icons.js";
+import { NumberField } from "./number_field.js";
 import { Panels } from "./panel.js";
 
 const TABS = ["Parameters", "Module", "Set-up", "Server"] as const;
@@ -72,7 +73,7 @@ function Parameters({ studio }: { studio: Studio }) {
         return (
           <div class="parameter" key={`${define.file} ${define.name}`}>
             <label for={`define-${define.name}`}>{define.name}</label>
-            <input class="value" type="number" step={step} value={define.value} aria-label={`Value of ${define.name}`} onChange={(event) => slide(event.currentTarget.valueAsNumber, true)} />
+            <NumberField class="value" step={step} value={define.value} aria-label={`Value of ${define.name}`} onDone={(input) => slide(input.valueAsNumber, true)} />
             <input id={`define-${define.name}`} type="range" min={low} max={high} step={step} value={define.value}
               onInput={(event) => slide(event.currentTarget.valueAsNumber, false)} onChange={(event) => slide(event.currentTarget.valueAsNumber, true)} />
             {define.comment && <small>{define.comment}</small>}
@@ -127,7 +128,7 @@ function SetUp({ studio }: { studio: Studio }) {
     <div class="setup">
       <label for="seed">Seed of the random numbers</label>
       <div class="row">
-        <input id="seed" type="number" min={0} step={1} value={studio.seed} onChange={(event) => void studio.act(() => studio.setSeed(event.currentTarget.valueAsNumber))} />
+        <NumberField id="seed" min={0} step={1} value={studio.seed} onDone={({ valueAsNumber }) => Number.isFinite(valueAsNumber) && void studio.act(() => studio.setSeed(valueAsNumber))} />
         <IconButton icon="dice" label="Another seed (R)" onClick={() => void studio.act(() => studio.setSeed(Math.floor(Math.random() * 1e6)))} />
       </div>
       <EnvironmentForm studio={studio} />

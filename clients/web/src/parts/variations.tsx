@@ -5,6 +5,7 @@ import { SIDE, axisOf, growVariations, seedAxis, shapeOf, takeOver, variationsOf
 import type { Axis, Variation } from "../studio/variations.js";
 import { View } from "../view/scene.js";
 import { Dialog } from "./dialogs.js";
+import { NumberField } from "./number_field.js";
 
 const short = (value: number): string => String(Number(value.toPrecision(4)));
 
@@ -12,8 +13,8 @@ const short = (value: number): string => String(Number(value.toPrecision(4)));
 function AxisChoice({ studio, label, axis, onChange }: { studio: Studio; label: string; axis: Axis; onChange: (axis: Axis) => void }) {
   const choose = (name: string) => onChange(name === "" ? seedAxis() : axisOf(studio.defines.find((define) => define.name === name)!));
   const bound = (side: "low" | "high") => (
-    <input type="number" step={axis.step} value={axis[side]} aria-label={`${side === "low" ? "First" : "Last"} value ${label}`}
-      onChange={(event) => Number.isFinite(event.currentTarget.valueAsNumber) && onChange({ ...axis, [side]: event.currentTarget.valueAsNumber })} />
+    <NumberField step={axis.step} value={axis[side]} aria-label={`${side === "low" ? "First" : "Last"} value ${label}`}
+      onDone={({ valueAsNumber }) => Number.isFinite(valueAsNumber) && onChange({ ...axis, [side]: valueAsNumber })} />
   );
   return (
     <div class="axis">
@@ -38,7 +39,9 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
   const stage = useRef<HTMLDivElement>(null);
   const view = useRef<View | null>(null);
   const isClosed = useRef(false);
-  const variations = useMemo(() => variationsOf(across, down, studio.seed), [across, down]);
+  const [firstSeed, setFirstSeed] = useState(studio.seed);
+  const hasSeeds = across.name === "" || down.name === "";
+  const variations = useMemo(() => variationsOf(across, down, firstSeed), [across, down, firstSeed]);
   const keyOf = ({ row, column }: Variation) => `${row} ${column}`;
   useEffect(() => {
     const made = new View(stage.current!, { ...studio.view!.settings, mode: "model", hasShadows: false, hasGround: false });
@@ -69,13 +72,15 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
     void studio.act(() => takeOver(studio, one, { [across.name]: across.step, [down.name]: down.step }));
   };
   const nameOf = ({ values, seed }: Variation) =>
-    [...Object.entries(values).map(([name, value]) => `${name} ${short(value)}`), ...(across.name === "" || down.name === "" ? [`seed ${seed}`] : [])].join(", ");
+    [...Object.entries(values).map(([name, value]) => `${name} ${short(value)}`), ...(hasSeeds ? [`seed ${seed}`] : [])].join(", ");
   const count = Object.keys(pictures).length;
   return (
     <Dialog title="Variations" class="variations" onClose={onClose}>
       <div class="row">
         <AxisChoice studio={studio} label="across" axis={across} onChange={setAcross} />
         <AxisChoice studio={studio} label="down" axis={down} onChange={setDown} />
+        {hasSeeds && <label>seeds from <NumberField class="seeds" id="first-seed" min={0} step={1} value={firstSeed} onDone={({ valueAsNumber }) => Number.isInteger(valueAsNumber) && setFirstSeed(valueAsNumber)} /></label>}
+        {hasSeeds && <button type="button" id="more-seeds" title="Seeds that the table has not shown" onClick={() => setFirstSeed(Math.max(...variations.map(({ seed }) => seed)) + 1)}>next seeds</button>}
         <span class="quiet">{count} of {SIDE * SIDE}, at step {studio.step}. A click takes a plant over.</span>
         {count > SIDE && shapes.size === 1 && <span class="error" role="alert">All are the same{count < variations.length ? " so far" : ""}: {across.name === "" && down.name === "" ? "the model draws no random numbers. Choose a number of the model on a side." : "the plant does not depend on these numbers."}</span>}
       </div>
