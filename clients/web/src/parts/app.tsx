@@ -64,7 +64,7 @@ export function App({ studio, canvas }: { studio: Studio; canvas: HTMLCanvasElem
   });
   const isDark = document.documentElement.dataset.theme === "dark";
   return (
-    <div class={`app ${isTextShown ? "" : "wide"}`}>
+    <div class={`app ${isTextShown ? "" : "wide"} ${studio.isReadOnly ? "watching" : ""}`}>
       <header class="bar">
         <h1><Leaf /> Espalier</h1>
         <IconButton icon="gallery" label="Gallery (G)" text="Gallery" id="open-gallery" onClick={() => setOpen("gallery")} />

@@ -137,7 +137,9 @@ export interface Lens {
 /** Words that fit, without the one that is being written. */
 async function others(context: CompletionContext): Promise<CompletionResult | null> {
   const result = await serverCompletionSource(context);
-  const written = context.matchBefore(/\w+/)?.text;
+  const before = context.matchBefore(/\w+/)?.text ?? "";
+  const after = /^\w*/.exec(context.state.doc.lineAt(context.pos).text.slice(context.pos - context.state.doc.lineAt(context.pos).from))![0];
+  const written = before + after; // the caret may stand inside the word
   return result && { ...result, options: result.options.filter(({ label }) => label !== written) };
 }
 

@@ -22,18 +22,17 @@ export function Timeline({ studio }: { studio: Studio }) {
         )}
         <input id="scrub" type="range" min={0} max={Math.max(length, step, 1)} step={1} value={step} disabled={!has || isRunning || !isOwn}
           aria-label="Step" onInput={(event) => void studio.act(() => studio.goTo(Number(event.currentTarget.value)))} />
-        {studio.longWork && <button type="button" id="stop-work" class="recording" onClick={() => studio.longWork?.stop.abort()}>Stop {studio.longWork.name}</button>}
         <output id="state" aria-live="polite">
           step {step} of {Math.max(length, step)}{isFinished ? ", finished" : ""}
         </output>
-        <label class="inline" title="Pace of a run">
+        {studio.longWork ? <button type="button" id="stop-work" class="recording" onClick={() => studio.longWork?.stop.abort()}>Stop {studio.longWork.name}</button> : <label class="inline" title="Pace of a run">
           <select aria-label="Pace of a run" value={studio.pace} onChange={(event) => { studio.pace = Number(event.currentTarget.value); studio.changed(); }}>
             <option value={0}>fast</option>
             <option value={80}>12 a second</option>
             <option value={250}>4 a second</option>
             <option value={1000}>1 a second</option>
           </select>
-        </label>
+        </label>}
       </div>
       <div class="figures">
         <dl id="figures">
@@ -50,6 +49,9 @@ export function Timeline({ studio }: { studio: Studio }) {
 
 const style = (name: string) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+// between the numbers below the plot: there is no half step
+const WHOLE_STEPS = [1, 10, 100, 1000, 10_000, 100_000, 1e6].flatMap((power) => [power, 2 * power, 5 * power]);
+
 function Plot({ studio }: { studio: Studio }) {
   const place = useRef<HTMLDivElement>(null);
   const plot = useRef<UPlot | null>(null);
@@ -65,9 +67,9 @@ function Plot({ studio }: { studio: Studio }) {
         cursor: { y: false, points: { show: true } },
         scales: { x: { time: false } },
         axes: [
-          { ...axis, size: 22, space: 60 },
-          { ...axis, size: 46, values: (_, values) => values.map((value) => (value >= 1e6 ? `${value / 1e6}M` : value >= 1000 ? `${value / 1000}k` : String(value))) },
-          { ...axis, side: 1, scale: "ms", size: 40, grid: { show: false } },
+          { ...axis, size: 22, space: 60, incrs: WHOLE_STEPS },
+          { ...axis, size: 46, space: 16, values: (_, values) => values.map((value) => (value >= 1e6 ? `${value / 1e6}M` : value >= 1000 ? `${value / 1000}k` : String(value))) },
+          { ...axis, side: 1, scale: "ms", size: 40, space: 16, grid: { show: false } },
         ],
         series: [
           {},
