@@ -7,6 +7,9 @@ import { View } from "../view/scene.js";
 import { Dialog } from "./dialogs.js";
 import { NumberField } from "./number_field.js";
 
+// between two changes of the table: each has the browser draw the whole page again
+const TABLE_MILLISECONDS = 200;
+
 const short = (value: number): string => String(Number(value.toPrecision(4)));
 
 /** The choice of what changes along a side, and between which values. */
@@ -45,6 +48,7 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
   const keyOf = ({ row, column }: Variation) => `${row} ${column}`;
   useEffect(() => {
     const made = new View(stage.current!, { ...studio.view!.settings, mode: "model", hasShadows: false, hasGround: false });
+    made.isOfPictures = true;
     made.setBackground(false); // it is that of the card
     made.setPalette(studio.palette);
     view.current = made;
@@ -55,17 +59,35 @@ export function VariationsDialog({ studio, onClose }: { studio: Studio; onClose:
   }, []);
   useEffect(() => {
     const stop = new AbortController();
-    setPictures({});
-    setShapes(new Set());
+    const made: Record<string, string> = {};
+    const seen = new Set<string>();
+    const show = () => {
+      setPictures({ ...made });
+      setShapes(new Set(seen));
+    };
+    show();
     setProblem("");
+    const showing = setInterval(() => Object.keys(made).length > 0 && show(), TABLE_MILLISECONDS);
     growVariations(studio, variations, (grown) => {
       if (!stop.signal.aborted && !isClosed.current) {
-        const picture = view.current!.pictureOf(grown.geometry, grown.change, studio.view!);
-        setPictures((before) => ({ ...before, [keyOf(grown)]: picture }));
-        setShapes((before) => new Set([...before, shapeOf(grown.geometry)]));
+        made[keyOf(grown)] = view.current!.pictureOf(grown.geometry, grown.change, studio.view!);
+        seen.add(shapeOf(grown.geometry));
+        if (Object.keys(made).length === variations.length) {
+          show();
+        }
       }
-    }, stop.signal).catch((error: Error) => setProblem(error.message));
-    return () => stop.abort();
+    }, stop.signal)
+      .catch((error: Error) => setProblem(error.message))
+      .finally(() => {
+        clearInterval(showing);
+        if (!stop.signal.aborted) {
+          show();
+        }
+      });
+    return () => {
+      clearInterval(showing);
+      stop.abort();
+    };
   }, [variations]);
   const take = (one: Variation) => {
     onClose();

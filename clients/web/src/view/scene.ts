@@ -58,6 +58,8 @@ export class View {
   readonly controls: OrbitControls;
   /** Called once when pictures take long. */
   onSlow: () => void = () => {};
+  /** It draws only what `pictureOf` asks for. */
+  isOfPictures = false;
   private readonly clock: GpuClock;
   /** Called after the camera moved or the plant changed. */
   onDrawn: () => void = () => {};
@@ -248,6 +250,10 @@ export class View {
 
   /** A picture waits until the one before it is ready: pictures that queue up would hold up the whole page. */
   private drawWhenIdle(): void {
+    if (this.isOfPictures) {
+      this.isDrawing = false;
+      return;
+    }
     this.isDue = this.clock.isBusy;
     if (!this.isDue) {
       this.isDrawing = false;
