@@ -347,7 +347,7 @@ test("a frame that comes before the page has a view is shown, also when it is ne
   globalThis.cancelAnimationFrame = clearTimeout;
   const shown = [];
   const view = { element: { dataset: {} }, setPalette() {}, forgetFit() {}, update: (geometry, change, step) => shown.push(step) };
-  const studio = { view: null, palette: null, step: 9, document: { files: {}, main: "model.l" }, changed() {}, stepped() {} };
+  const studio = { view: null, palette: null, step: 9, answeredStep: 9, document: { files: {}, main: "model.l" }, changed() {}, stepped() {} };
   const frames = new Frames(studio);
   async function* one() {
     yield { geometry: {}, change: {}, step: 10, finished: true };
@@ -368,7 +368,7 @@ test("a held frame is shown when patience ends, and left out when it is on the w
   const shownAfter = async (work, steps) => {
     const shown = [];
     const view = { element: { dataset: {} }, setPalette() {}, forgetFit() {}, update: (geometry, change, step) => shown.push(step) };
-    const studio = { view, palette: null, step: 9, document: { files: {}, main: "model.l" }, changed() {}, stepped() {} };
+    const studio = { view, palette: null, step: 9, answeredStep: 9, document: { files: {}, main: "model.l" }, changed() {}, stepped() {} };
     const frames = new Frames(studio);
     async function* columns() {
       for (const step of steps) {

@@ -58,7 +58,11 @@ export function TextPane({ studio }: { studio: Studio }) {
       return;
     }
     areLensesDue.current = true;
-    setTimeout(() => {
+    setTimeout(function look() {
+      if (studio.isSliding) {
+        setTimeout(look, LENS_MILLISECONDS);
+        return;
+      }
       areLensesDue.current = false;
       const file = studio.openFile;
       void help.current?.lenses(file).then((lenses) => editor.current?.showLenses(file, lenses)).catch(() => {});

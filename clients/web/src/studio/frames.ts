@@ -89,7 +89,7 @@ export class Frames {
       if (this.held) {
         // a state on the way to the wanted one is left out where another frame is sure to follow: the answer of the work tells a later
         // step. Where patience has ended, this may be the last frame, and the page does not know its step yet
-        if ((await this.held) && frame.step < studio.step) {
+        if ((await this.held) && frame.step < studio.answeredStep) {
           isSkipped = true;
           continue;
         }

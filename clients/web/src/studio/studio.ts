@@ -21,6 +21,8 @@ import type { Connection, EnvironmentEntry, GalleryEntry } from "./types.js";
 
 const CHECK_MILLISECONDS = 250;
 const LIST_MILLISECONDS = 2500;
+// after a slider's last move, for what can wait
+const REST_MILLISECONDS = 300;
 // of stepping between two kept states, and between two pictures of a run
 const STATE_MILLISECONDS = 80;
 const MOST_RUN = 1_000_000;
@@ -76,7 +78,10 @@ export class Studio {
   private work: Promise<void> = Promise.resolve(); // requests that change the simulation, one after the other
   private wanted: { values: Record<string, number>; isFinal: boolean } | null = null;
   private wantedStep: number | null = null;
+  // what the last answer said: frames of figures may come later, and tell of steps before it
+  private answered = { step: 0, finished: false };
   private checking = 0;
+  private slid = -Infinity; // when a slider moved last
   shownTitle = "";
   private isFollowing = false; // builds after each of many changes
   private isNewer = false;
@@ -130,7 +135,7 @@ export class Studio {
       return;
     }
     if (!shown) {
-      setInterval(() => void this.list().catch(() => {}), LIST_MILLISECONDS);
+      setInterval(() => this.isSliding || void this.list().catch(() => {}), LIST_MILLISECONDS);
     }
     // what the page holds counts, not its address; and the plant is asked for before the lists
     const opened = this.act(() => (!shown ? this.openHash(named) : this.isOwn ? this.build(this.step) : this.watch(shown)));
@@ -303,7 +308,7 @@ export class Studio {
     try {
       while (this.isNewer) {
         this.isNewer = false;
-        await this.build(this.isFinished ? undefined : this.step);
+        await this.build(this.answered.finished ? undefined : this.answered.step);
       }
     } catch (error) {
       this.fail(error);
@@ -347,7 +352,7 @@ export class Studio {
         this.diagnostics = diagnostics;
         this.changed();
         if (isValid && this.isLive) {
-          await this.act(() => this.build(this.isFinished && this.step >= this.length ? undefined : this.step));
+          await this.act(() => this.build(this.answered.finished && this.answered.step >= this.length ? undefined : this.answered.step));
         }
       }
     } catch (error) {
@@ -400,6 +405,7 @@ export class Studio {
     this.document = past.document;
     await this.show(simulation, true, false);
     Object.assign(this, past);
+    this.reached({ step: past.step, finished: past.isFinished });
     this.changed();
   }
 
@@ -418,9 +424,8 @@ export class Studio {
     this.history.clear();
     this.statistics = [];
     this.picked = null;
-    this.step = information?.step ?? 0;
+    this.reached({ step: information?.step ?? 0, finished: simulation.created?.finished ?? information?.finished ?? false });
     this.length = simulation.created?.derivationLength ?? information?.derivationLength ?? 0;
-    this.isFinished = simulation.created?.finished ?? information?.finished ?? false;
     this.view?.highlight(null);
     if (isAnother) {
       this.view?.forgetFit(directionToViewer(this.document));
@@ -446,6 +451,9 @@ export class Studio {
     }
     this.step = step;
     this.isFinished = finished;
+    if (!this.isOwn) {
+      this.answered = { step, finished }; // others work on it
+    }
     this.length = Math.max(this.length, step);
     this.statistics = [...this.statistics.filter((one) => one.step < step), statistics];
     void this.fields.refresh().catch((error) => this.fail(error));
@@ -454,21 +462,36 @@ export class Studio {
 
   // ---- time
 
+  /** A slider moves: what can wait leaves the page and the server to its plant. */
+  get isSliding(): boolean {
+    return performance.now() - this.slid < REST_MILLISECONDS;
+  }
+
+  /** The step of the last answer. */
+  get answeredStep(): number {
+    return this.answered.step;
+  }
+
+  private reached({ step, finished }: { step: number; finished: boolean }): void {
+    this.answered = { step, finished };
+    this.step = step;
+    this.isFinished = finished;
+  }
+
   /** Derives to a step, and keeps states on the way. */
   private async advance(until: number): Promise<void> {
     const simulation = this.simulation!;
     let kept = this.keep(simulation);
     let chunk = 1;
     let sinceKept = 0;
-    while (this.step < until && !this.isFinished && this.simulation === simulation) {
+    while (this.answered.step < until && !this.answered.finished && this.simulation === simulation) {
       // the server saves the state, then makes the steps
       let begin = performance.now();
-      const stepping = this.derive(() => simulation.stepUntil(Math.min(until, this.step + chunk)));
+      const stepping = this.derive(() => simulation.stepUntil(Math.min(until, this.answered.step + chunk)));
       const [result] = await Promise.all([stepping, kept.then(() => (begin = performance.now()))]);
       const time = performance.now() - begin;
-      const made = result.step - this.step;
-      this.step = result.step;
-      this.isFinished = result.finished;
+      const made = result.step - this.answered.step;
+      this.reached(result);
       if (made === 0) {
         break;
       }
@@ -495,8 +518,8 @@ export class Studio {
   }
 
   private async keep(simulation: Simulation): Promise<void> {
-    if (this.isOwn && !this.history.has(this.step)) {
-      const { step } = this;
+    const { step } = this.answered;
+    if (this.isOwn && !this.history.has(step)) {
       this.history.add(step, await simulation.save());
     }
   }
@@ -504,11 +527,9 @@ export class Studio {
   stepOnce(): Promise<void> {
     return this.inTurn(async () => {
       const simulation = this.simulation!;
-      const result = await this.derive(() => simulation.step());
-      this.step = result.step;
-      this.isFinished = result.finished;
+      this.reached(await this.derive(() => simulation.step()));
       await this.keep(simulation);
-      await this.beside.follow(this.step);
+      await this.beside.follow(this.answered.step);
     });
   }
 
@@ -517,14 +538,14 @@ export class Studio {
     this.isRunning = true;
     this.changed();
     try {
-      if (this.isFinished && this.isOwn) {
+      if (this.answered.finished && this.isOwn) {
         await this.goTo(0);
       }
-      for (let made = 0; this.isRunning && !this.isFinished && made < MOST_RUN; ++made) {
+      for (let made = 0; this.isRunning && !this.answered.finished && made < MOST_RUN; ++made) {
         const begin = performance.now();
         await this.inTurn(async () => {
-          await this.advance(this.step + 1);
-          await this.beside.follow(this.step);
+          await this.advance(this.answered.step + 1);
+          await this.beside.follow(this.answered.step);
         });
         const rest = Math.max(this.pace - (performance.now() - begin), 0);
         await (rest > 4 ? new Promise((done) => setTimeout(done, rest)) : nextFrame());
@@ -550,26 +571,22 @@ export class Studio {
       }
       const target = this.wantedStep;
       this.wantedStep = null;
-      if (target < this.step) {
+      if (target < Math.max(this.step, this.answered.step)) {
         const state = this.history.before(target);
         const figures = this.statistics;
-        const result = state ? await this.simulation.restore(state.snapshot) : await this.simulation.reset(this.seed);
-        this.step = result.step;
-        this.isFinished = result.finished;
+        this.reached(state ? await this.simulation.restore(state.snapshot) : await this.simulation.reset(this.seed));
         this.statistics = figures;
       }
       await this.advance(target);
-      await this.beside.follow(this.step);
+      await this.beside.follow(this.answered.step);
     });
   }
 
   setSeed(seed: number): Promise<void> {
     this.seed = seed;
     return this.inTurn(async () => {
-      const until = this.isFinished ? this.length : this.step;
-      const result = await this.simulation!.reset(seed);
-      this.step = result.step;
-      this.isFinished = result.finished;
+      const until = this.answered.finished ? this.length : this.answered.step;
+      this.reached(await this.simulation!.reset(seed));
       this.history.clear();
       this.statistics = [];
       await this.advance(until);
@@ -585,6 +602,7 @@ export class Studio {
     this.document = { ...this.document, files, gallery: null };
     this.isChanged = true;
     const isUnderWay = this.wanted !== null;
+    this.slid = performance.now();
     this.wanted = { values: { ...this.wanted?.values, [define.name]: Number(written) }, isFinal };
     this.changed();
     if (!isUnderWay) {
@@ -599,14 +617,13 @@ export class Studio {
     if (!simulation || !wish) {
       return;
     }
-    const until = this.isFinished ? MOST_RUN : this.step;
+    const until = this.answered.finished ? MOST_RUN : this.answered.step;
     await this.frames.hold(() =>
       this.derive(async () => {
         // one round trip: the server does them in order
         const requests = [simulation.set(wish.values), simulation.reset(this.seed), until === MOST_RUN ? simulation.run() : simulation.stepUntil(until)] as const;
         const [, , result] = await Promise.all(requests);
-        this.step = result.step;
-        this.isFinished = result.finished;
+        this.reached(result);
         this.length = Math.max(this.length, result.step);
       }),
     );
