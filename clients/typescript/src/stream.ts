@@ -11,7 +11,7 @@ type Data = Methods["stream.data"]["params"];
 export interface StreamOptions {
   every?: number;
   maxHz?: number;
-  /** Frames that may be unused: 1 gives the latest state to a slow reader. Default 2. */
+  /** Frames that may be unused: 1 gives the latest state to a slow reader. Default 2; undefined: only the connection's speed counts. */
   credits?: number;
   select?: { symbols?: string[]; plants?: number[] };
   precision?: "single";
@@ -39,6 +39,9 @@ export interface Contents {
 
 export type Kind = keyof Contents;
 export type FrameOf<K extends Kind> = Frame & Contents[K];
+
+/** Without credits the server waits for no frame to be used, and nothing needs to tell it so. */
+const hasCredits = (options: StreamOptions): boolean => !("credits" in options) || options.credits !== undefined;
 
 function openParams(kind: Kind, simulation: string, options: StreamOptions): Methods["stream.open"]["params"] {
   const base = { simulation, credits: 2, ...options };
@@ -125,7 +128,7 @@ export class Stream<K extends Kind> implements AsyncIterable<FrameOf<K>> {
   async *[Symbol.asyncIterator](): AsyncGenerator<FrameOf<K>, void, void> {
     try {
       for (;;) {
-        if (this.unused !== null && this.identifier) {
+        if (this.unused !== null && this.identifier && hasCredits(this.options)) {
           this.connection?.notify("stream.ack", { stream: this.identifier, sequence: this.unused });
           this.unused = null;
         }

@@ -118,6 +118,30 @@ test("streams that are opened at the same time all get their first frames", asyn
   }
 });
 
+test("frames of a stream with credits are acknowledged one by one, and those of a stream without credits are not", async () => {
+  const simulation = await client.create({ model: { source: GROWING }, seed: 1, environment: [{ type: "honda", radius: 0.1 }] });
+  const acknowledged = async (options) => {
+    const stream = await simulation.stream("statistics", options);
+    let count = 0;
+    const { connection } = stream;
+    const notify = connection.notify.bind(connection);
+    connection.notify = (method, params) => (count += method === "stream.ack" ? 1 : 0, notify(method, params));
+    await simulation.reset(1);
+    const stepping = simulation.step(3);
+    for await (const { step } of stream) {
+      if (step === 3) {
+        break;
+      }
+    }
+    await stepping;
+    connection.notify = notify;
+    return count;
+  };
+  assert.ok((await acknowledged({ credits: 1 })) > 0);
+  assert.equal(await acknowledged({ credits: undefined }), 0);
+  await simulation.delete();
+});
+
 test("an environment in TypeScript grows the same plant as one in Python's protocol example", async () => {
   const peer = await connect(running.address, { roles: ["environment"] });
   const seen = [];

@@ -464,7 +464,7 @@ export class Studio {
 
   /** A slider moves: what can wait leaves the page and the server to its plant. */
   get isSliding(): boolean {
-    return performance.now() - this.slid < REST_MILLISECONDS;
+    return this.frames.held !== null || performance.now() - this.slid < REST_MILLISECONDS;
   }
 
   /** The step of the last answer. */
@@ -627,6 +627,7 @@ export class Studio {
         this.length = Math.max(this.length, result.step);
       }),
     );
+    this.slid = performance.now();
     this.history.clear();
     this.diagnostics = this.diagnostics.filter(({ severity }) => severity !== "error");
   }
