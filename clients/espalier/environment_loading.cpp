@@ -344,7 +344,7 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
   if (suffix == ".json") {
     return loadConfiguration(name, files, names, making);
   }
-  if (suffix == ".so") {
+  if (isPluginFile(name)) {
     return loadPlugin(name, "{}", "--environment-", making);
   }
   if (suffix == ".e") {
@@ -358,6 +358,11 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
 }
 
 }  // namespace
+
+bool isPluginFile(const std::string& name) {
+  const std::string file = std::filesystem::path(name).filename().string();
+  return file.ends_with(".so") || file.find(".so.") != std::string::npos;
+}
 
 server::FailureSink failureNotes(bool isQuiet) {
   return [isQuiet](std::uint64_t step, const std::string& message) {

@@ -39,6 +39,9 @@ struct LoadedEnvironment {
   std::shared_ptr<server::FailureSink> onFailure;
 };
 
+/// Whether a name is the file of a plug-in: `libceiling.so`, `./libceiling.so.1`.
+[[nodiscard]] bool isPluginFile(const std::string& name);
+
 /// Prints such a failure unless `isQuiet`.
 [[nodiscard]] server::FailureSink failureNotes(bool isQuiet);
 

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -9,6 +10,7 @@
 #include <new>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "clients/espalier/commands/commands.h"
@@ -215,7 +217,9 @@ int main(int argumentCount, char** arguments) {
 
   // a full disk or a closed pipe is a failure
   if (std::fflush(stdout) != 0) {
-    printError("the results could not be written to standard output");
+    const std::string reason = std::generic_category().message(errno);
+    printError("the results could not be written to standard output: " + reason +
+               ". Write them to a place with room, as `> FILE`");
     return kFailure;
   }
   return status;

@@ -30,7 +30,7 @@ tl::expected<std::vector<turtle::Field>, std::string> readFields(const std::stri
     return tl::unexpected(std::string("it cannot be read"));
   }
   if (!name.ends_with(".raw")) {
-    return readVti(*bytes);
+    return readVti(*bytes).map_error([](const std::string& problem) { return "it " + problem; });
   }
   const auto header = files.read(name + ".json");
   if (!header) {
@@ -38,7 +38,7 @@ tl::expected<std::vector<turtle::Field>, std::string> readFields(const std::stri
   }
   auto read = readRaw(*header, *bytes);
   if (!read) {
-    return tl::unexpected(std::move(read.error()));
+    return tl::unexpected("it " + read.error());
   }
   return std::vector{std::move(*read)};
 }
@@ -49,6 +49,20 @@ const turtle::Field* find(const std::vector<turtle::Field>& fields, std::string_
     return field.name == name || field.name.ends_with("." + std::string(name));
   });
   return found == fields.end() ? nullptr : &*found;
+}
+
+/// The unit of a field as keys have it, "cm" or "1/cm"; empty when the file names none.
+std::string unitOf(const turtle::Field& field) {
+  std::string_view unit = field.unit;
+  if (unit == "1" || unit == "1/length") {
+    return "";
+  }
+  for (const std::string_view power : {"^-1", "-1"}) {
+    if (unit.ends_with(power)) {
+      return "1/" + std::string(unit.substr(0, unit.size() - power.size()));
+    }
+  }
+  return std::string(unit);
 }
 
 /// Sets a key, or says that the entry has another value there. Lengths may differ by the rounding of a file.
@@ -62,7 +76,7 @@ std::string setOrRefuse(nlohmann::json& configuration, const std::string& key, c
     return a.is_number() && b.is_number() &&
            std::abs(a.get<double>() - b.get<double>()) <= 1e-9 * (1.0 + std::abs(b.get<double>()));
   };
-  bool isSame = isNear(*own, value);
+  bool isSame = isNear(*own, value) || *own == value;
   if (own->is_array() && value.is_array() && own->size() == value.size()) {
     isSame = std::equal(own->begin(), own->end(), value.begin(), isNear);
   }
@@ -104,6 +118,9 @@ std::optional<core::Diagnostic> embedFieldFile(EnvironmentEntry& entry, const st
     box.emplace_back("voxelSize", field->cellSize.x);
   } else {
     box.emplace_back("cellSize", nlohmann::json{field->cellSize.x, field->cellSize.y, field->cellSize.z});
+  }
+  if (const std::string unit = unitOf(*field); !unit.empty()) {
+    box.emplace_back("fieldUnit", unit);
   }
   for (const auto& [key, value] : box) {
     if (const std::string problem = setOrRefuse(configuration, key, value); !problem.empty()) {

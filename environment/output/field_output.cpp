@@ -216,7 +216,7 @@ tl::expected<std::vector<double>, std::string> dataOf(const Element& array, cons
     const std::size_t header = packing.hasLongHeader ? 8 : 4;
     const auto all = fromBase64Pieces(data, data.size());
     if (!all || all->size() < header) {
-      return tl::unexpected(std::string("has a data array that is no base64"));
+      return tl::unexpected(std::string("has a data array that is no base64, or is cut short. Get a complete copy"));
     }
     bytes = all->substr(header);
   }
@@ -254,7 +254,8 @@ tl::expected<std::vector<Field>, std::string> readVti(std::string_view text) {
   const auto cells = image ? findElement(text, "CellData", image->end) : std::nullopt;
   if (!cells) {
     return tl::unexpected(
-        std::string("is no VTK image data file (.vti) with cell data. Export the quantity as such a file"));
+        std::string("is no VTK image data file (.vti) with cell data. `python3 -m espalier.fields FILE out.vti` makes "
+                    "one of netCDF and Zarr"));
   }
   const auto packing = packingOf(*file, text, cells->end);
   if (!packing) {

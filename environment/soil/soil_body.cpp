@@ -42,6 +42,10 @@ std::optional<turtle::EnvironmentError> SoilBody::open(std::string_view process,
     return fail("has a default soil in metres, and the world's unit is '" + world.lengthUnit +
                 "'. Give 'layers', or set lengthUnit to m.");
   }
+  if (!keys_.fieldUnit.empty() && keys_.fieldUnit != world.lengthUnit) {
+    return fail("begins with pressure heads in '" + keys_.fieldUnit + "', and the world's unit of length is '" +
+                world.lengthUnit + "'. Give the heads and the places of their cells in " + world.lengthUnit + ".");
+  }
   const LengthUnit* unit = findLengthUnit(world.lengthUnit);
   if (keys_.acidity && unit == nullptr) {
     return unknownLengthUnit(process, world);

@@ -84,6 +84,10 @@ constexpr std::array kSoilWaterOwnKeys{
                      .unit = "length",
                      .minimum = -kMostHead,
                      .maximum = kMostHead},
+    ConfigurationKey{.name = "fieldUnit",
+                     .kind = KeyKind::Text,
+                     .description = "unit of 'initialHeads'; another one than the world's unit of length is refused; a "
+                                    "\"fieldFile\" brings it; none: that of the world"},
     ConfigurationKey{.name = "waterTableDepth",
                      .description = "depth of the water table below the top of the ground",
                      .unit = "length",
@@ -315,6 +319,7 @@ SoilWaterKeys readSoilWater(const Configuration& configuration) {
   keys.airPressure = configuration.number("airPressure");
   keys.initialHead = configuration.number("initialHead");
   keys.initialHeads = configuration.numbers("initialHeads");
+  keys.fieldUnit = configuration.text("fieldUnit");
   if (configuration.text("initially") == "waterTable") {
     keys.waterTableDepth = configuration.number("waterTableDepth");
   }

@@ -40,6 +40,7 @@ struct SoilWaterKeys {
   double airPressure = 101.3;  // kPa
   double initialHead = -1.0;
   std::vector<double> initialHeads;  // of the cells, x fastest; empty: none are given
+  std::string fieldUnit;             // of them; empty: the world's unit of length
   std::optional<double> waterTableDepth;
   double wiltingHead = -150.0;
   bool hasSurfaceConcentration = false;  // the surface keeps the concentration of the rain

@@ -318,8 +318,8 @@ TEST_F(Output, ARunStartsFromAStringFile) {
   folder_.write("bad.string", "A(1)\n F(2)X(3)\n");
   const ProgramRun bad = run("derive tree.l --from bad.string");
   EXPECT_EQ(bad.status, 1);
-  EXPECT_TRUE(
-      contains(bad.errors, "error: the string to start from, 2:6: the model has no module 'X' with 1 parameters."))
+  EXPECT_TRUE(contains(
+      bad.errors, "error: the string to start from, 2:6: the model has no module 'X' with 1 parameters: only modules"))
       << bad.errors;
   folder_.write("empty.string", "\n");
   EXPECT_TRUE(contains(run("derive tree.l --from empty.string").errors, "'empty.string' (--from) has no modules"));

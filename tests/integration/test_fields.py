@@ -116,7 +116,7 @@ class Fields(unittest.TestCase):
         self.assertIn("there is no file 'nowhere.vti'", espalier("field", "nowhere.vti", status=1).stderr)
         broken = self.folder / "broken.vti"
         broken.write_text("<VTKFile>", encoding="utf-8")
-        self.assertIn("broken.vti: the file is no VTK image data file (.vti) with cell data. Export",
+        self.assertIn("broken.vti: the file is no VTK image data file (.vti) with cell data. `python3 -m",
                       espalier("field", str(broken), status=1).stderr)
         lonely = self.folder / "lonely.raw"
         lonely.write_bytes(b"")

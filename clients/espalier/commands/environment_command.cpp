@@ -6,6 +6,7 @@
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/conformance/program_output.h"
+#include "clients/espalier/environment_loading.h"
 #include "clients/espalier/environment_words.h"
 #include "clients/espalier/messages.h"
 #include "clients/espalier/output/field_writing_process.h"
@@ -231,13 +232,6 @@ struct CheckOptions {
   double timeoutSeconds = 60.0;
 };
 
-/// Whether an address is the file of a plug-in: `libceiling.so`, `./ceiling.so.1`.
-bool isPlugin(const std::string& address) {
-  const std::string name = fs::path(address).filename().string();
-  return address.find("://") == std::string::npos && !address.starts_with("stdio:") && !address.starts_with("unix:") &&
-         (name.ends_with(".so") || name.find(".so.") != std::string::npos);
-}
-
 /// The command that serves a plug-in in a process of its own, so that one that dies or hangs ends its check alone.
 std::string servedPlugin(const CheckOptions& options) {
   const auto quoted = [](const std::string& text) { return conformance::quoted(text); };
@@ -248,7 +242,9 @@ std::string servedPlugin(const CheckOptions& options) {
 }
 
 int checkOther(CheckOptions& options) {
-  const bool isInLibrary = isPlugin(options.check.address);
+  const std::string& address = options.check.address;
+  const bool isInLibrary = address.find("://") == std::string::npos && !address.starts_with("stdio:") &&
+                           !address.starts_with("unix:") && isPluginFile(address);
   if (isInLibrary) {
     std::error_code error;
     if (!fs::is_regular_file(options.check.address, error)) {

@@ -100,7 +100,11 @@ bool FieldOutputs::parse() {
     }
     output.suffix = std::filesystem::path(output.file).extension().string();
     if (output.suffix != ".vti" && output.suffix != ".raw" && output.suffix != ".png" && output.suffix != ".csv") {
-      printError("--field " + specification + ": a field is written as .vti, .raw, .png or .csv; choose one of these");
+      const bool isOfPython = output.suffix == ".nc" || output.suffix == ".zarr";
+      printError("--field " + specification + ": a field is written as .vti, .raw, .png or .csv; choose one of these" +
+                 (isOfPython
+                      ? ", and make the other file by `python3 -m espalier.fields FILE.vti OUT" + output.suffix + "`"
+                      : ""));
       return false;
     }
     outputs_.push_back(std::move(output));

@@ -39,7 +39,7 @@ class StringReader {
       const core::ModuleTypeId type = typeOf(name);
       if (type == core::kNoModuleType) {
         return tl::unexpected(at(begin) + "the model has no module '" + std::string(name) + "' with " +
-                              std::to_string(parameters_.size()) + " parameters");
+                              std::to_string(parameters_.size()) + " parameters" + otherCounts(name));
       }
       string.append(type, parameters_);
     }
@@ -47,6 +47,17 @@ class StringReader {
   }
 
  private:
+  // what the model has instead
+  [[nodiscard]] std::string otherCounts(std::string_view name) const {
+    std::string counts;
+    for (const language::ModuleType& type : program_.types) {
+      if (program_.symbols[type.symbol].name == name) {
+        counts += (counts.empty() ? ", only with " : " or ") + std::to_string(type.arity);
+      }
+    }
+    return counts.empty() ? ": only modules that occur in the model can be read" : counts;
+  }
+
   void skipBlanks() {
     while (position_ < text_.size() &&
            (text_[position_] == ' ' || (text_[position_] >= '\t' && text_[position_] <= '\r'))) {

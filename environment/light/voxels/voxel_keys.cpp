@@ -119,6 +119,10 @@ constexpr std::array kOwnVoxelKeys{
                          "not simulated; a \"fieldFile\" brings it; none: there are none",
                      .unit = "1/length",
                      .minimum = 0.0},
+    ConfigurationKey{.name = "fieldUnit",
+                     .kind = KeyKind::Text,
+                     .description = "unit of 'leafAreaDensity', as 1/m; another one than that of the world is refused; "
+                                    "a \"fieldFile\" brings it; none: that of the world"},
     ConfigurationKey{.name = "fullLight",
                      .description = "shadow: C, the light without shadow",
                      .minimum = 0.0,

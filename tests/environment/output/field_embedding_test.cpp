@@ -65,6 +65,39 @@ TEST(FieldEmbedding, LightFallsThroughTheLeavesOfAFile) {
   EXPECT_EQ(process->fields()[1].values, (std::vector<double>{0.0, 1.0, 3.0}));
 }
 
+TEST(FieldEmbedding, AFieldInAnotherUnitThanTheWorldIsRefused) {
+  core::MemoryFileProvider files;
+  const auto opened = [&](const std::string& type, const turtle::Field& content, const std::string& lengthUnit) {
+    files.add("m/field.vti", writeVti(std::vector{content}));
+    const auto entry = embedded(type, R"({"fieldFile":"field.vti"})", files);
+    auto made = makeProcess(entry.type, entry.configuration);
+    EXPECT_EQ(errorsOf(made), "");
+    turtle::EnvironmentContext context;
+    context.world.lengthUnit = lengthUnit;
+    const auto problem = made.value()->open(context);
+    return problem ? problem->message : std::string();
+  };
+  for (const std::string unit : {"m", "1"}) {
+    EXPECT_EQ(opened("soil-water", field("pressureHead", unit), "m"), "");
+  }
+  for (const std::string unit : {"1/m", "m-1", "m^-1", "1/length", "1"}) {
+    turtle::Field leaves = field("leafAreaDensity", unit);
+    leaves.values.assign(6, 1.0);
+    EXPECT_EQ(opened("light-voxels", leaves, "m"), "") << unit;
+  }
+  EXPECT_EQ(opened("soil-water", field("pressureHead", "kPa"), "m"),
+            "Environment 'soil-water' begins with pressure heads in 'kPa', and the world's unit of length is 'm'. Give "
+            "the heads "
+            "and the places of their cells in m.");
+  EXPECT_NE(opened("soil-water", field("pressureHead", "cm"), "m").find("in 'cm'"), std::string::npos);
+  turtle::Field leaves = field("leafAreaDensity", "1/cm");
+  leaves.values.assign(6, 1.0);
+  EXPECT_EQ(opened("light-voxels", leaves, "m"),
+            "Environment 'light-voxels' begins with leaf area densities in '1/cm', and the world's unit of length is "
+            "'m'. Give the "
+            "densities in 1/m, and the places of their voxels in m.");
+}
+
 TEST(FieldEmbedding, WhatIsWrongWithAFileIsSaid) {
   core::MemoryFileProvider files;
   files.add("m/water.vti", writeVti(std::vector{field("waterContent", "1")}));

@@ -57,7 +57,8 @@ TEST(FieldOutput, WhatCannotBeReadIsSaid) {
     return text;
   };
   EXPECT_EQ(problem("<html></html>"),
-            "is no VTK image data file (.vti) with cell data. Export the quantity as such a file");
+            "is no VTK image data file (.vti) with cell data. `python3 -m espalier.fields FILE out.vti` makes one of "
+            "netCDF and Zarr");
   EXPECT_EQ(problem(changed("version=\"1.0\" byte", "compressor=\"vtkLZ4DataCompressor\" byte")),
             "is compressed by 'vtkLZ4DataCompressor': write it with SetDataModeToAppended or SetDataModeToBinary, and "
             "SetCompressorTypeToZLib or SetCompressorTypeToNone");
@@ -72,7 +73,8 @@ TEST(FieldOutput, WhatCannotBeReadIsSaid) {
   EXPECT_EQ(problem(changed("format=\"binary\"", "format=\"text\"")),
             "has data of the format 'text': write it with SetDataModeToAppended or SetDataModeToBinary, and "
             "SetCompressorTypeToZLib or SetCompressorTypeToNone");
-  EXPECT_EQ(problem(changed("\"binary\">\n", "\"binary\">\n*")), "has a data array that is no base64");
+  EXPECT_EQ(problem(changed("\"binary\">\n", "\"binary\">\n*")),
+            "has a data array that is no base64, or is cut short. Get a complete copy");
 }
 
 TEST(FieldOutput, RawNumbersReadBackWithTheirHeader) {

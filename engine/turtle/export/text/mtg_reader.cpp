@@ -221,7 +221,8 @@ std::string MtgReader::readCode(std::string_view code, std::size_t column) {
     Vertex vertex;
     vertex.edge = code.front();
     if (vertex.edge != '/' && vertex.edge != '<' && vertex.edge != '+') {
-      return problem("expected '/', '<' or '+' before an entity, found '" + std::string(code.substr(0, 20)) + "'");
+      return problem("expected '/', '<' or '+' before an entity, found '" + std::string(code.substr(0, 20)) +
+                     "' (columns are separated by tabs)");
     }
     code.remove_prefix(1);
     const bool isSeries = vertex.edge != '/' && code.starts_with(vertex.edge);

@@ -53,8 +53,9 @@ TEST(StringText, MistakesInATextAreNamedWithTheirPlace) {
     const auto read = derivation::parseText(model.program(), text);
     return read ? std::string{} : read.error();
   };
-  EXPECT_EQ(problem("B\nBX"), "2:2: the model has no module 'X' with 0 parameters");
-  EXPECT_EQ(problem("A(1,2)"), "1:1: the model has no module 'A' with 2 parameters");
+  EXPECT_EQ(problem("B\nBX"),
+            "2:2: the model has no module 'X' with 0 parameters: only modules that occur in the model can be read");
+  EXPECT_EQ(problem("A(1,2)"), "1:1: the model has no module 'A' with 2 parameters, only with 1");
   EXPECT_EQ(problem("A(1"), "1:4: expected a number, ',' or ')' in the parameters of 'A'");
   EXPECT_EQ(problem("A()"), "1:3: expected a number, ',' or ')' in the parameters of 'A'");
   // 65,537 parameters are not one of a 16-bit count
@@ -62,7 +63,7 @@ TEST(StringText, MistakesInATextAreNamedWithTheirPlace) {
   for (int i = 0; i < 65'536; ++i) {
     many += ",1";
   }
-  EXPECT_EQ(problem(many + ")"), "1:1: the model has no module 'A' with 65537 parameters");
+  EXPECT_EQ(problem(many + ")"), "1:1: the model has no module 'A' with 65537 parameters, only with 1");
   EXPECT_EQ(problem("A(nan)"), "1:3: expected a number, ',' or ')' in the parameters of 'A'");
 }
 

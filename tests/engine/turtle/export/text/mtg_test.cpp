@@ -250,7 +250,8 @@ TEST(Mtg, MistakesAreNamedWithTheirLine) {
   };
   EXPECT_EQ(problem("/P1/X1\n"), "16: the class 'X' is not in the section CLASSES");
   EXPECT_EQ(problem("/P1\n\t^<U1\n"), "17: '^' follows no entity of its column");
-  EXPECT_EQ(problem("/P1\n\tU1\n"), "17: expected '/', '<' or '+' before an entity, found 'U1'");
+  EXPECT_EQ(problem("/P1\n\tU1\n"),
+            "17: expected '/', '<' or '+' before an entity, found 'U1' (columns are separated by tabs)");
   EXPECT_EQ(problem("/P1\n\t/7\n"), "17: expected the class of an entity, found '7'");
   EXPECT_EQ(problem("+P1\n"), "16: '+P' joins nothing");
   EXPECT_EQ(problem("/P1/A1\n^+P2/U1\n\t<A3\n"), "18: '<A' joins nothing of its scale");
