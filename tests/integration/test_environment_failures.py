@@ -5,13 +5,14 @@ standard input and output, a program that is dialled, a built-in process. The ru
 step 2, and goes on from it to the string of an undisturbed run once the environment is mended."""
 
 import socket
+import subprocess
 import tempfile
 import unittest
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Dict
 
-from support import Process, espalier, program, python, stdio
+from support import SECONDS, Process, espalier, model, program, python, stdio
 
 from espalier import Server
 
@@ -95,6 +96,17 @@ class Failures(unittest.TestCase):
         (self.folder / "text.so").write_text("no library", encoding="utf-8")
         found = espalier("environment", "check", str(self.folder / "text.so"), status=1)
         self.assertIn("text.so", found.stdout)
+        # a name with a version is a library, too; it was read as the text of a published environment
+        (self.folder / "text.so.1").write_text("no library", encoding="utf-8")
+        said = espalier("derive", model("growth-to-a-height"), "--environment", str(self.folder / "text.so.1"), status=1).stderr
+        self.assertRegex(said, r"the plug-in .*text\.so\.1' cannot be loaded")
+
+    def test_results_that_find_no_room_on_standard_output_are_a_failure(self) -> None:
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = subprocess.run([program(), "derive", model("classic-algae")], stdout=full, stderr=subprocess.PIPE, text=True, timeout=SECONDS,
+                                  check=False, stdin=subprocess.DEVNULL)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("the results could not be written to standard output: No space left on device", done.stderr)
 
     def scripts(self) -> Dict[str, str]:
         """What each kind of misbehaviour is known by."""

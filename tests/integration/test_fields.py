@@ -104,6 +104,7 @@ class Fields(unittest.TestCase):
     def test_what_cannot_be_written_or_read_is_said(self) -> None:
         said = self.grow("--field", "x.txt", status=2)
         self.assertIn("--field x.txt: a field is written as .vti, .raw, .png or .csv; choose one of these", said)
+        self.assertIn("make the other file by `python3 -m espalier.fields FILE.vti OUT.nc`", self.grow("--field", "x.nc", status=2))
         self.assertIn("there is no view 'q': write x, y or z for the mean along an axis, or z:0.5 for a slice",
                       self.grow("--field", "water@q=x.png", status=2))
         self.assertIn("there is no field 'sugar'. There are: waterContent, pressureHead",
