@@ -17,10 +17,12 @@ namespace espalier::server {
 
 /// A file that the HTTP side gives to browsers.
 struct WebFile {
-  std::string path;          // "/" is the front page
-  std::string type;          // Content-Type
-  std::string_view content;  // must outlive the server
-  std::string policy{};      // Content-Security-Policy; empty: that of the server's own page
+  std::string path;           // "/" is the front page
+  std::string type;           // Content-Type
+  std::string_view content;   // must outlive the server, like `packed`
+  std::string_view packed{};  // the same compressed by gzip; empty: it is only sent as it is
+  std::string policy{};       // Content-Security-Policy; empty: that of the server's own page
+  std::string tag{};          // ETag, by the content; the server gives it
 };
 
 struct ServerOptions {

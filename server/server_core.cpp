@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/core/hash.h"
 #include "server/running/turn_meter.h"
 #include "server/session/session.h"
 #include "server/store/database.h"
@@ -55,6 +56,11 @@ ServerCore::ServerCore(ServerOptions options)
       savedModels_(options_.modelsFolder, options_.limits.savedModelBytes),
       pool_({.workers = options_.workers}) {
   boundHeaps(pool_.workers());
+  for (WebFile& file : options_.pages) {
+    core::Hasher hash;
+    hash.bytes(file.content);
+    file.tag = "W/\"" + std::to_string(hash.value()) + "\"";
+  }
 }
 
 void ServerCore::countDatabase() {

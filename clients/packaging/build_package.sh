@@ -12,7 +12,7 @@ tree="$(mktemp -d)/espalier-$version"
 trap 'rm -rf "$(dirname "$tree")"' EXIT
 
 # Node.js makes these; the package is built without it
-scripts="espalier.js studio.js studio.css"
+scripts="espalier.js studio.js studio.js.gz studio.css"
 for script in $scripts; do
   [[ -f "$root/clients/web/$script" ]] || {
     echo "The script of the pages clients/web/$script is not there: run ./dev build first (it needs Node.js and npm)." >&2

@@ -1,12 +1,13 @@
-// Bundles src/studio.tsx into studio.js and studio.css, the page of a server, and src/espalier.js into espalier.js, the script
+// Bundles src/studio.tsx into studio.js (also compressed, studio.js.gz) and studio.css, the page of a server, and src/espalier.js into espalier.js, the script
 // of pages that hold a plant. The build of the program calls it, and so does the build of the Python package.
 //
 //     node build.js              bundle; fetch the packages first when they are missing
 //     node build.js --packages   only fetch the packages
 import { spawnSync } from "node:child_process";
-import { existsSync, statSync } from "node:fs";
+import { existsSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { dirname } from "node:path";
 import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
 
 const OLDEST_NODE = 18;
 
@@ -47,4 +48,6 @@ if (!process.argv.includes("--packages")) {
     build({ ...common, entryPoints: ["src/espalier.js"], globalName: "espalier", outfile: "espalier.js" }),
     build({ ...common, entryPoints: ["src/studio.tsx"], outfile: "studio.js" }),
   ]);
+  // what a server sends to browsers
+  writeFileSync("studio.js.gz", gzipSync(readFileSync("studio.js"), { level: 9 }));
 }

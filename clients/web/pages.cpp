@@ -9,6 +9,7 @@
 
 ESPALIER_EMBED(espalierPage, ESPALIER_WEB_PAGE);
 ESPALIER_EMBED(espalierScript, ESPALIER_WEB_SCRIPT);
+ESPALIER_EMBED(espalierPacked, ESPALIER_WEB_PACKED);
 ESPALIER_EMBED(espalierStyle, ESPALIER_WEB_STYLE);
 
 namespace espalier::web {
@@ -19,6 +20,10 @@ std::string_view serverPage() {
 
 std::string_view script() {
   return {espalierScriptBegin, static_cast<std::size_t>(espalierScriptEnd - espalierScriptBegin)};
+}
+
+std::string_view packedScript() {
+  return {espalierPackedBegin, static_cast<std::size_t>(espalierPackedEnd - espalierPackedBegin)};
 }
 
 std::string_view style() {

@@ -132,8 +132,16 @@ class WebSocketConnection final : public PeerConnection {
   protocol::BulkTextReader bulk_;
 };
 
-http::response<http::string_body> responseOf(HttpPage page, const Request& request, bool isMoreAllowed) {
-  http::response<http::string_body> response{static_cast<http::status>(page.status), request.version()};
+using Response = http::response<http::span_body<const char>>;
+
+std::string fieldOf(const Request& request, http::field name) {
+  const auto value = request[name];
+  return {value.data(), value.size()};
+}
+
+/// The answer to a request; it refers to the bytes of the page.
+Response responseOf(const HttpPage& page, const Request& request, bool isMoreAllowed) {
+  Response response{static_cast<http::status>(page.status), request.version()};
   response.set(http::field::server, "espalier");
   response.set(http::field::content_type, page.type);
   response.set("X-Content-Type-Options", "nosniff");
@@ -151,17 +159,31 @@ http::response<http::string_body> responseOf(HttpPage page, const Request& reque
     response.set(http::field::www_authenticate, "Bearer");
   }
   response.keep_alive(request.keep_alive() && isMoreAllowed);
-  response.body() = std::move(page.body);
+  std::string_view body = page.body;
+  if (page.file != nullptr) {
+    // a browser asks each time and gets only what it does not have
+    response.set(http::field::cache_control, "no-cache");
+    response.set(http::field::etag, page.file->tag);
+    body = page.file->content;
+    if (!page.file->packed.empty()) {
+      response.set(http::field::vary, "Accept-Encoding");
+      if (acceptsGzip(fieldOf(request, http::field::accept_encoding))) {
+        response.set(http::field::content_encoding, "gzip");
+        body = page.file->packed;
+      }
+    }
+    if (hasFile(fieldOf(request, http::field::if_none_match), page.file->tag)) {
+      response.result(http::status::not_modified);
+      response.erase(http::field::content_encoding);
+      body = {};
+    }
+  }
+  response.body() = {body.data(), body.size()};
   response.prepare_payload();
   if (request.method() == http::verb::head) {
-    response.body().clear();
+    response.body() = {};
   }
   return response;
-}
-
-std::string fieldOf(const Request& request, http::field name) {
-  const auto value = request[name];
-  return {value.data(), value.size()};
 }
 
 /// Whether the other end of a connection has closed it, or at least sends nothing more.
@@ -238,10 +260,10 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
       const bool isTooLong = error == http::error::header_limit || error == http::error::buffer_overflow;
       if (isTooLong || (!error && !parser.is_done())) {
         // of a request that is too long, or has a body, the rest is not read
-        HttpPage page{isTooLong ? 431U : 413U, std::string(kText),
-                      isTooLong ? "A request may have " + std::to_string(kRequestBytes) + " bytes.\n"
-                                : "Only GET and HEAD are answered here, without a body.\n"};
-        (void)co_await write(responseOf(std::move(page), parser.get(), false));
+        const HttpPage page{isTooLong ? 431U : 413U, std::string(kText),
+                            isTooLong ? "A request may have " + std::to_string(kRequestBytes) + " bytes.\n"
+                                      : "Only GET and HEAD are answered here, without a body.\n"};
+        (void)co_await write(responseOf(page, parser.get(), false));
         error_code ignored;
         lowest().socket().shutdown(asio::socket_base::shutdown_send, ignored);
         co_return;
@@ -256,14 +278,12 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
         co_return;
       }
       lowest().expires_never();
-      std::optional<HttpPage> found = co_await pageFor(request);
-      if (!found) {
+      // its memory is counted until it is written
+      const std::optional<HttpPage> page = co_await pageFor(request);
+      if (!page) {
         co_return;
       }
-      HttpPage page = std::move(*found);
-      // counted until it is written
-      const std::shared_ptr<void> memory = page.memory;
-      const bool isKept = co_await write(responseOf(std::move(page), request, count < kMostRequests));
+      const bool isKept = co_await write(responseOf(*page, request, count < kMostRequests));
       if (!isKept) {
         error_code ignored;
         lowest().socket().shutdown(asio::socket_base::shutdown_send, ignored);
@@ -322,8 +342,8 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection>
   }
 
   /// Writes in parts: a peer that reads nothing for kIdle is given up. Whether the connection is kept for more.
-  asio::awaitable<bool> write(http::response<http::string_body> response) {
-    http::response_serializer<http::string_body> serializer(response);
+  asio::awaitable<bool> write(Response response) {
+    http::response_serializer<Response::body_type> serializer(response);
     while (!serializer.is_done()) {
       lowest().expires_after(kIdle);
       const auto [error, count] = co_await http::async_write_some(stream_, serializer, kAsTuple);

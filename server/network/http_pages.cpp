@@ -1,6 +1,7 @@
 #include "server/network/http_pages.h"
 
 #include <algorithm>
+#include <boost/beast/http/rfc7230.hpp>
 
 #include "protocol/json_writer.h"
 #include "protocol/version.h"
@@ -8,6 +9,8 @@
 
 namespace espalier::server {
 namespace {
+
+namespace http = boost::beast::http;
 
 HttpPage healthPage(const ServerCore& core) {
   protocol::JsonWriter json;
@@ -53,11 +56,29 @@ HttpPage metricsPage(const ServerCore& core) {
 
 }  // namespace
 
+bool acceptsGzip(std::string_view encodings) {
+  for (const auto& [name, parameters] : http::ext_list(encodings)) {
+    if (boost::beast::iequals(name, "gzip")) {
+      // a weight of 0 refuses it
+      return std::ranges::none_of(parameters, [](const auto& parameter) {
+        return parameter.first == "q" && parameter.second.find_first_not_of("0.") == std::string_view::npos;
+      });
+    }
+  }
+  return false;
+}
+
+bool hasFile(std::string_view tags, std::string_view tag) {
+  return !tag.empty() && tags.find(tag) != std::string_view::npos;
+}
+
 HttpPage pageOf(std::string_view target, const ServerCore& core) {
   const std::string_view path = target.substr(0, target.find('?'));
   for (const WebFile& file : core.options().pages) {
     if (path == file.path) {
-      return {200, file.type, std::string(file.content), {}, file.policy};
+      HttpPage page{200, file.type, {}, {}, file.policy};
+      page.file = &file;
+      return page;
     }
   }
   if (path == "/health") {

@@ -8,6 +8,7 @@
 namespace espalier::server {
 
 class ServerCore;
+struct WebFile;
 
 /// An answer to a plain HTTP request.
 struct HttpPage {
@@ -17,7 +18,14 @@ struct HttpPage {
   std::string fileName{};          // for saving; empty: the browser shows the page
   std::string policy{};            // Content-Security-Policy; empty: that of the server's own page
   std::shared_ptr<void> memory{};  // of the body, in an account; null: it is not counted
+  const WebFile* file = nullptr;   // of the server's options: it is sent in place of `body`, and not copied
 };
+
+/// Whether a browser that sends this Accept-Encoding reads what gzip compressed.
+[[nodiscard]] bool acceptsGzip(std::string_view encodings);
+
+/// Whether a browser that sends this If-None-Match has the file of this tag.
+[[nodiscard]] bool hasFile(std::string_view tags, std::string_view tag);
 
 /// The page of a target (path and query) of a GET or HEAD request.
 [[nodiscard]] HttpPage pageOf(std::string_view target, const ServerCore& core);

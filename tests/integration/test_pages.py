@@ -1,13 +1,16 @@
 """The pages in a real browser: the one of a server, where a plant grows, and those that hold a plant."""
 
+import gzip
 import os
 import shutil
 import subprocess
 import tempfile
 import unittest
+import urllib.error
 import urllib.request
+from email.message import Message
 from pathlib import Path
-from typing import List
+from typing import List, Tuple
 
 from browser import PROGRAM, Browser
 from support import GALLERY, REPOSITORY, SECONDS, program
@@ -46,6 +49,30 @@ class Pages(unittest.TestCase):
             with urllib.request.urlopen(f"{address}/{path}", timeout=60) as answer:
                 self.assertEqual(answer.headers["Content-Type"], f"{kind}; charset=utf-8")
                 self.assertIn(content, answer.read())
+
+    def test_the_script_is_sent_compressed_and_only_once(self) -> None:
+        server, address = start()
+        self.addCleanup(server.stop)
+
+        def script(**headers: str) -> Tuple[int, Message, bytes]:
+            names = {name.replace("_", "-"): value for name, value in headers.items()}
+            try:
+                with urllib.request.urlopen(urllib.request.Request(f"{address}/studio.js", headers=names), timeout=60) as answer:
+                    return answer.status, answer.headers, answer.read()
+            except urllib.error.HTTPError as answer:
+                with answer:
+                    return answer.code, answer.headers, answer.read()
+
+        _, headers, plain = script()
+        self.assertNotIn("Content-Encoding", headers)
+        self.assertEqual(headers["Cache-Control"], "no-cache")
+        _, headers, packed = script(Accept_Encoding="gzip, br")
+        self.assertEqual(headers["Content-Encoding"], "gzip")
+        self.assertEqual(gzip.decompress(packed), plain)
+        self.assertLess(len(packed), len(plain) // 2)
+        status, _, nothing = script(Accept_Encoding="gzip", If_None_Match=headers["ETag"])
+        self.assertEqual((status, nothing), (304, b""))
+        self.assertEqual(script(If_None_Match='W/"1"')[0], 200)
 
     @unittest.skipUnless(shutil.which("cmake"), "there is no cmake")
     def test_the_pages_are_built_without_node_and_say_what_is_missing(self) -> None:

@@ -219,7 +219,7 @@ int runServe(CLI::App& command, ServeOptions& options) {
   (void)std::signal(SIGXFSZ, SIG_IGN);
   const auto hostOf = [](const std::string& address) { return address.substr(0, address.rfind(':')); };
   options.server.pages = {{"/", "text/html; charset=utf-8", web::serverPage()},
-                          {"/studio.js", "text/javascript; charset=utf-8", web::script()},
+                          {"/studio.js", "text/javascript; charset=utf-8", web::script(), web::packedScript()},
                           {"/studio.css", "text/css; charset=utf-8", web::style()}};
   HandbookFiles handbook;
   if (options.http.empty() && !options.handbook.empty()) {

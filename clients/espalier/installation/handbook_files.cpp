@@ -59,10 +59,10 @@ void HandbookFiles::addTo(std::vector<server::WebFile>& pages) const {
     const std::string type = typeOf(file.path);
     const std::string inPage = type.starts_with("text/html") ? policyInPage(file.content) : std::string();
     const std::string policy = inPage.empty() ? std::string() : inPage + "; frame-ancestors 'none'";
-    pages.push_back({"/handbook/" + file.path, type, file.content, policy});
+    pages.push_back({"/handbook/" + file.path, type, file.content, {}, policy});
     if (file.path == "index.html") {
-      pages.push_back({"/handbook/", type, file.content, policy});
-      pages.push_back({"/handbook", type, kWayIn, {}});
+      pages.push_back({"/handbook/", type, file.content, {}, policy});
+      pages.push_back({"/handbook", type, kWayIn});
     }
   }
 }

@@ -36,14 +36,34 @@ TEST(HttpPages, ThePathDecidesAndWhatFollowsItDoesNot) {
   options.logLevel = "off";
   options.pages = {{"/", "text/html", "the page"}, {"/a.js", "text/javascript", "its script"}};
   ServerCore core(options);
-  EXPECT_EQ(pageOf("/", core).body, "the page");
-  EXPECT_EQ(pageOf("/a.js?x=1", core).body, "its script");
+  ASSERT_NE(pageOf("/", core).file, nullptr);
+  EXPECT_EQ(pageOf("/", core).file->content, "the page");
+  EXPECT_EQ(pageOf("/a.js?x=1", core).file->content, "its script");
+  EXPECT_NE(pageOf("/a.js", core).file->tag, pageOf("/", core).file->tag);
   EXPECT_EQ(pageOf("/a.js", core).type, "text/javascript");
   EXPECT_EQ(pageOf("/health?x=1", core).body.find("{\"status\":\"ok\""), 0U);
   EXPECT_EQ(pageOf("/metrics", core).status, 200U);
   EXPECT_EQ(pageOf("/../etc/passwd", core).status, 404U);
   core.beginShutdown();
   EXPECT_EQ(pageOf("/health", core).status, 503U);
+}
+
+TEST(HttpPages, GzipIsSentToThoseWhoReadIt) {
+  EXPECT_TRUE(acceptsGzip("gzip, deflate, br"));
+  EXPECT_TRUE(acceptsGzip("br;q=1.0, GZIP;q=0.5"));
+  EXPECT_FALSE(acceptsGzip(""));
+  EXPECT_FALSE(acceptsGzip("identity"));
+  EXPECT_FALSE(acceptsGzip("xgzip"));
+  EXPECT_FALSE(acceptsGzip("gzip;q=0"));
+  EXPECT_FALSE(acceptsGzip("gzip; q=0.000, br"));
+  EXPECT_FALSE(acceptsGzip(";;,=\"gzip"));
+}
+
+TEST(HttpPages, AFileIsKnownByItsWholeTag) {
+  EXPECT_TRUE(hasFile(R"("7", W/"12")", R"(W/"12")"));
+  EXPECT_FALSE(hasFile(R"(W/"123")", R"(W/"12")"));
+  EXPECT_FALSE(hasFile("", R"(W/"12")"));
+  EXPECT_FALSE(hasFile("W/", ""));
 }
 
 }  // namespace
