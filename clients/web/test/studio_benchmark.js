@@ -46,8 +46,10 @@ const measure = (name, act) =>
   });
 
 /** In the page: `timed(act)` is the time from an action to the end of the frame that draws its plant. */
-const prepare = (page) =>
-  page.evaluate(() => {
+const prepare = async (page) => {
+  // the shadows of the first picture are made after it; a person needs as long to reach for the mouse
+  await page.waitForTimeout(3000);
+  await page.evaluate(() => {
     const { view } = studio;
     const update = view.update.bind(view);
     let drawn = () => {};
@@ -64,6 +66,7 @@ const prepare = (page) =>
         act();
       });
   });
+};
 
 const grown = (page, title, text, until) =>
   page.evaluate(([name, model, step]) => studio.openDocument({ title: name, main: "model.l", binary: {}, environment: null, gallery: null, files: { "model.l": model } }, step ?? undefined), [title, text, until]);
