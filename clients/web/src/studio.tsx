@@ -1,8 +1,9 @@
 // The entry of the page of a server.
+// first: the graphics card begins while the rest of this script is run
+import { firstCanvas } from "./view/first_canvas.js";
 import { render } from "preact";
 import { App } from "./parts/app.js";
 import { Studio } from "./studio/studio.js";
-import { canvasToDraw } from "./view/scene.js";
 import "./style.css";
 
 let theme: string | null = null;
@@ -19,6 +20,5 @@ Object.assign(window, { studio });
 const root = document.getElementById("studio")!;
 // the server reads and grows the model while the page is made; a call from here would have a browser's tools parse all of this script again
 queueMicrotask(() => void studio.start());
-const canvas = canvasToDraw();
 root.replaceChildren();
-render(<App studio={studio} canvas={canvas} />, root);
+render(<App studio={studio} canvas={firstCanvas} />, root);

@@ -21,6 +21,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Geometry, GeometryChange, TurtleTable } from "espalier";
+import { CONTEXT, canvasToDraw } from "./canvas.js";
 import type { ColourMode, Legend, ModelPalette } from "./colours.js";
 import { FieldView, fieldBox } from "./fields.js";
 import type { Field, FieldLook } from "./fields.js";
@@ -34,15 +35,6 @@ import type { Solid } from "./surroundings.js";
 
 const FIELD_OF_VIEW = 32;
 const FIT_MARGIN = 1.12; // the plant does not touch the rim, nor the tools there
-const CONTEXT = { antialias: true, alpha: true, preserveDrawingBuffer: true };
-
-/** A canvas whose graphics card has been asked for: the card answers while the page is made. */
-export function canvasToDraw(): HTMLCanvasElement {
-  const canvas = document.createElement("canvas");
-  const context = canvas.getContext("webgl2", CONTEXT) as WebGL2RenderingContext | null;
-  context?.flush();
-  return canvas;
-}
 
 export interface ViewSettings {
   mode: ColourMode;
