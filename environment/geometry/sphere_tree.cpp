@@ -7,8 +7,6 @@
 
 namespace espalier::environment {
 
-namespace {}  // namespace
-
 DistinctSpheres distinctSpheres(const std::vector<Sphere>& given) {
   std::vector<std::uint32_t> order(given.size());
   std::iota(order.begin(), order.end(), 0U);

@@ -1,8 +1,9 @@
 // The process `chiba` (docs/environments.md): light that reaches leaf spheres past each other.
 //
 // Directions are the `sources` or, without any, the middles of the triangles of an octahedron that is subdivided until
-// there are `sampleCount`. Light below 1e-12 counts as none. `compatible`: published_chiba.cpp. O(n · directions · (log
-// n + spheres met)) with a tree of boxes.
+// there are `sampleCount`. Light below 1e-12 counts as none. `compatible`: published_chiba.cpp. O(n · directions · (1 +
+// spheres met)) with columns along each direction. Spheres of very different sizes, and steps in which few change, are
+// looked up in a tree of boxes.
 
 #include <algorithm>
 #include <array>
@@ -204,7 +205,8 @@ class Chiba final : public turtle::EnvironmentProcess {
                                  [&](const Sphere& own) { return beamRadius_ * own.radius; },
                                  [&](const Sphere& own, const Sphere& other, const Ray& ray) {
                                    return static_cast<std::int64_t>(chordOf(own, other, ray.direction) * diameter_);
-                                 }},
+                                 },
+                                 true},
                    [&](std::uint32_t index, std::span<const std::int64_t> sums) {
                      std::size_t k = 0;
                      answers[index] = answerFrom([&](const Vec3&) {

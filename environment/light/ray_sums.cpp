@@ -4,8 +4,6 @@
 
 namespace espalier::environment {
 
-namespace {}  // namespace
-
 void RaySums::clear() {
   last_ = {};
   sums_.clear();

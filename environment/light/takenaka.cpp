@@ -166,7 +166,8 @@ class Takenaka final : public turtle::EnvironmentProcess {
                                [&](const Sphere& own) { return beamRadius_ * own.radius; },
                                [&](const Sphere& own, const Sphere& other, const Ray& ray) {
                                  return static_cast<std::int64_t>(isMet(ray, own, other));
-                               }},
+                               },
+                               sources_.empty()},
                  [&](std::uint32_t index, std::span<const std::int64_t> hits) {
                    light[index] = arrivingLight(distinct.spheres[index], [&](const Ray&, std::size_t source) {
                      return lightAfter(hits[source]);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -74,6 +75,51 @@ INSTANTIATE_TEST_SUITE_P(
                     Candidate{"takenaka", R"({"transmittance":0.0001,"parameterS":1})"},
                     Candidate{"takenaka", R"({"transmittance":0,"parameterS":1})"}),
     [](const auto& one) { return one.param.name + std::to_string(one.index); });
+
+TEST(RaySums, ColumnsAndTheTreeGiveTheSameSums) {
+  std::mt19937_64 random(22);
+  std::uniform_real_distribution<double> place(0, 10);
+  // spheres alike, and some so large among points that columns are given up
+  for (const double large : {0.4, 30.0}) {
+    std::vector<Sphere> spheres;
+    for (int i = 0; i < 2000; ++i) {
+      spheres.push_back({{place(random), place(random), place(random)}, i % 20 == 0 ? large : 0.05 * (i % 5)});
+    }
+    spheres.insert(spheres.end(), spheres.begin(), spheres.begin() + 50);  // some twice
+    const std::array<core::Vec3, 3> directions{core::Vec3{0, 1, 0}, core::Vec3{0.6, 0, -0.8},
+                                               core::Vec3{0.48, 0.6, 0.64}};
+    const auto sumsOf = [&](bool areParallel, std::int64_t limit) {
+      RaySums sums;
+      std::vector<std::vector<std::int64_t>> found(2000);
+      sums.update(distinctSpheres(spheres),
+                  RaySums::Rays{3, limit,
+                                [&](const Sphere& own, std::size_t k) {
+                                  return Ray{own.centre, directions[k], HUGE_VAL};
+                                },
+                                [](const Sphere& own) { return 0.5 * own.radius; },
+                                [](const Sphere& own, const Sphere& other, const Ray& ray) {
+                                  const core::Vec3 between = other.centre - own.centre;
+                                  const double ahead = core::dot(between, ray.direction);
+                                  const double past = core::length(between - ray.direction * ahead);
+                                  const double radius = other.radius + 0.5 * own.radius;
+                                  return static_cast<std::int64_t>(
+                                      ahead > 0.0 && past < radius ? 100.0 * (radius - past) : 0.0);
+                                },
+                                areParallel},
+                  [&](std::uint32_t index, std::span<const std::int64_t> along) {
+                    found[index].assign(along.begin(), along.end());
+                  });
+      return found;
+    };
+    for (const std::int64_t limit : {RaySums::kMostLimit, std::int64_t{60}, std::int64_t{0}}) {
+      const auto byTree = sumsOf(false, limit);
+      EXPECT_EQ(sumsOf(true, limit), byTree) << large << ' ' << limit;
+      EXPECT_TRUE(std::ranges::any_of(byTree, [](const auto& along) {
+        return along != std::vector<std::int64_t>{0, 0, 0};
+      }));
+    }
+  }
+}
 
 TEST(RaySums, OnlyWhatChangedIsAskedForAgain) {
   // a row of 1000 spheres under one ray each; one more at the end of the row

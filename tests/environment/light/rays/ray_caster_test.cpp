@@ -10,6 +10,8 @@
 #include <random>
 #include <vector>
 
+#include "engine/core/work_meter.h"
+
 namespace espalier::environment::ray_caster_test {
 namespace {
 
