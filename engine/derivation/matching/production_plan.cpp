@@ -81,11 +81,19 @@ QuickValue makeQuickValue(const language::Program& program, const Expression& ex
   return value;
 }
 
-/// Whether only condition and weight decide, and the successor stays as it is made.
-bool isQuickProduction(const language::LSystem& system, const Production& production) {
+/// Whether code assigns a formal parameter.
+bool assignsFormal(const language::Program& program, const language::CodeRange& code) {
+  return std::any_of(program.code.begin() + code.begin, program.code.begin() + code.end,
+                     [](const Instruction& instruction) { return instruction.operation == Operation::StoreSlot; });
+}
+
+/// Whether only condition and weight decide, and the successor stays as it is made. All candidates of a module share
+/// its formal parameters, so no block that runs before the choice may assign one.
+bool isQuickProduction(const language::Program& program, const language::LSystem& system,
+                       const Production& production) {
   if (production.predecessor.size() != 1 || production.predecessor[0].firstSlot != 0 ||
       !production.leftContext.empty() || !production.rightContext.empty() || !production.newLeftContext.empty() ||
-      !production.newRightContext.empty() || !production.preBlock.empty() || !production.postBlock.empty()) {
+      !production.newRightContext.empty() || assignsFormal(program, production.preBlock)) {
     return false;
   }
   return std::none_of(
@@ -95,6 +103,15 @@ bool isQuickProduction(const language::LSystem& system, const Production& produc
 
 bool canDraw(const Expression& expression) {
   return !expression.isPure;
+}
+
+/// Whether a block calls what is not pure: draws, `srand`.
+bool canDraw(const language::Program& program, const language::CodeRange& block) {
+  return std::any_of(program.code.begin() + block.begin, program.code.begin() + block.end,
+                     [](const Instruction& instruction) {
+                       return instruction.operation == Operation::Call &&
+                              !language::functionInfo(static_cast<language::Function>(instruction.operand)).isPure;
+                     });
 }
 
 bool isCode(const QuickValue& value) {
@@ -211,21 +228,25 @@ void ProductionPlan::planType(const language::Program& program, const language::
     return;
   }
   const bool isQuick = std::all_of(candidates.begin(), candidates.end(), [&](std::uint32_t index) {
-    return isQuickProduction(system, system.productions.productions[index]);
+    return isQuickProduction(program, system, system.productions.productions[index]);
   });
   if (!isQuick) {
     return;
   }
   plan.firstRule = static_cast<std::uint32_t>(rules_.size());
   bool isUnmatchedPossible = true;
+  bool hasBlocks = false;
   for (const std::uint32_t index : candidates) {
     const Production& production = system.productions.productions[index];
     plan.ruleCount += addRule(program, production, system.isStochastic);
     const QuickRule& rule = rules_.back();
     plan.drawsRandom = plan.drawsRandom || (production.condition && canDraw(*production.condition)) ||
                        (rule.hasWeight && canDraw(*production.probability)) ||
-                       std::any_of(production.expressions.begin(), production.expressions.end(), canDraw);
-    plan.usesCode = plan.usesCode || isCode(rule.condition) || isCode(rule.weight) ||
+                       std::any_of(production.expressions.begin(), production.expressions.end(),
+                                   [](const Expression& expression) { return canDraw(expression); }) ||
+                       canDraw(program, production.preBlock) || canDraw(program, production.postBlock);
+    hasBlocks = hasBlocks || rule.hasBefore || rule.hasBehind;
+    plan.usesCode = plan.usesCode || hasBlocks || isCode(rule.condition) || isCode(rule.weight) ||
                     std::any_of(values_.begin() + rule.firstValue, values_.end(), isCode);
     isUnmatchedPossible = isUnmatchedPossible && rule.hasCondition;
     // a production without a condition always matches: later productions have no effect
@@ -238,9 +259,11 @@ void ProductionPlan::planType(const language::Program& program, const language::
     plan.kind = TypePlan::Kind::General;
     return;
   }
-  plan.kind = system.isStochastic ? TypePlan::Kind::Weights : TypePlan::Kind::Rules;
+  plan.kind = hasBlocks             ? TypePlan::Kind::Blocks
+              : system.isStochastic ? TypePlan::Kind::Weights
+                                    : TypePlan::Kind::Rules;
   const QuickRule& first = rules_[plan.firstRule];
-  if (plan.ruleCount == 1 && !first.hasCondition && !first.hasWeight && first.valueCount == 0) {
+  if (plan.ruleCount == 1 && !first.hasCondition && !first.hasWeight && !hasBlocks && first.valueCount == 0) {
     makeFixed(plan, first.firstType, first.length);
     return;
   }
@@ -256,6 +279,8 @@ std::uint32_t ProductionPlan::addRule(const language::Program& program, const Pr
                                       bool usesWeights) {
   QuickRule rule;
   rule.production = &production;
+  rule.hasBefore = !production.preBlock.empty();
+  rule.hasBehind = !production.postBlock.empty();
   rule.hasCondition = production.condition.has_value();
   if (rule.hasCondition) {
     rule.condition = makeQuickValue(program, *production.condition);

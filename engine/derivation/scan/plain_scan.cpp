@@ -166,10 +166,14 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
       continue;
     }
 
-    if (plan.kind == TypePlan::Kind::General) {
+    if (plan.kind == TypePlan::Kind::Blocks || plan.kind == TypePlan::Kind::General) {
       stopWriting(target);
       ScanPlace next{module, offset};
-      rewriter_->rewriteNext(tables, draw, next);
+      if (plan.kind == TypePlan::Kind::Blocks) {
+        scanBlocks(end, draw, next);
+      } else {
+        rewriter_->rewriteNext(tables, draw, next);
+      }
       module = next.module;
       offset = next.offset;
       context_->rewriter.checkSize(context_->output.size(), context_->output.parameterCount());
@@ -198,6 +202,69 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
   place = {module, offset};
 }
 
+bool PlainScan::matches(const QuickRule& rule) {
+  if (rule.hasBefore) {
+    context_->evaluator.run(rule.production->preBlock, frame_.data());
+  }
+  return !rule.hasCondition || evaluate(rule.condition) != 0.0;
+}
+
+void PlainScan::scanBlocks(std::uint64_t end, double draw, ScanPlace& place) {
+  const ModuleString& output = context_->output;
+  const core::ModuleTypeId* const types = context_->old->types().data();
+  const bool drawsEachPosition = context_->drawsEachPosition(*context_->tables.front().system);
+  const ProductionPlan& plan = context_->tables.front().plan;
+  const std::uint64_t count = end - place.module;
+  const bool isNearLimits = !context_->isWithinLimits(output.size() + count * plan.largestLength(),
+                                                      output.parameterCount() + count * plan.largestParameterCount());
+  Target target = startWriting(count);
+  while (true) {
+    const TypePlan& typePlan = plans_[types[place.module]];
+    rewriteWithBlocks(typePlan, place, draw, target);
+    // what blocks do can be seen, so none runs behind a module that exceeds a limit
+    if (isNearLimits) {
+      context_->rewriter.checkSize(static_cast<std::uint64_t>(target.type - output.types().data()),
+                                   static_cast<std::uint64_t>(target.parameter - output.parameters().data()));
+    }
+    place.module += 1;
+    place.offset += typePlan.arity;
+    if (place.module == end || plans_[types[place.module]].kind != TypePlan::Kind::Blocks) {
+      break;
+    }
+    draw = drawsEachPosition ? context_->random.selection(context_->step, place.module) : 0.0;
+  }
+  stopWriting(target);
+}
+
+void PlainScan::rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, double draw, Target& target) {
+  const ModuleString& old = *context_->old;
+  const core::ModuleTypeId type = old.types()[place.module];
+  const double* const parameters = old.parameters().data() + place.offset;
+  std::copy_n(parameters, plan.arity, frame_.data());
+  context_->evaluator.setModule(place.module, type);
+  if (plan.drawsRandom) {
+    context_->random.key(core::DrawDomain::Production, context_->step, place.module);
+  }
+  const QuickRule* const first = rules_ + plan.firstRule;
+  const QuickRule* const last = first + plan.ruleCount;
+  const QuickRule* rule = nullptr;
+  if (context_->tables.front().system->isStochastic) {
+    rule = chooseByWeights(first, last, place.module, draw);
+  } else {
+    rule = std::find_if(first, last, [this](const QuickRule& candidate) { return matches(candidate); });
+    rule = rule == last ? nullptr : rule;
+  }
+  if (rule == nullptr) {
+    *target.type++ = type;
+    target.parameter = std::copy_n(parameters, plan.arity, target.parameter);
+  } else {
+    if (rule->hasBehind) {
+      context_->evaluator.run(rule->production->postBlock, frame_.data());
+    }
+    writeSuccessor(*rule, place.module, target);
+  }
+}
+
 const QuickRule* PlainScan::chooseByWeights(const QuickRule* first, const QuickRule* last, std::uint64_t module,
                                             double draw) {
   // the weights of the rules whose condition holds
@@ -205,7 +272,7 @@ const QuickRule* PlainScan::chooseByWeights(const QuickRule* first, const QuickR
   matching_.clear();
   double sum = 0.0;
   for (const QuickRule* rule = first; rule != last; ++rule) {
-    if (!rule->hasCondition || evaluate(rule->condition) != 0.0) {
+    if (matches(*rule)) {
       const double weight = evaluate(rule->weight);
       weights_.push_back(weight);
       matching_.push_back(rule);

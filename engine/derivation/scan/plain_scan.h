@@ -38,6 +38,12 @@ class PlainScan {
                                             double draw);
   [[nodiscard]] const QuickRule* chooseByWeights(const QuickRule* first, const QuickRule* last, std::uint64_t module,
                                                  double draw);
+  /// Runs the block before the rule's condition, and asks the condition.
+  [[nodiscard]] bool matches(const QuickRule& rule);
+  /// Rewrites the modules from `place` on whose productions have blocks, up to the first of another kind, and moves
+  /// `place` behind them. `draw` is that of the first module.
+  void scanBlocks(std::uint64_t end, double draw, ScanPlace& place);
+  void rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, double draw, Target& target);
   void writeSuccessor(const QuickRule& rule, std::uint64_t module, Target& target);
   [[noreturn]] void failNonFinite(const QuickRule& rule, std::uint32_t valueIndex, double value, std::uint64_t module);
 
