@@ -32,55 +32,6 @@ bool isQuickOperator(Operation operation, bool isDivisorSafe) {
   }
 }
 
-QuickValue makeQuickValue(const language::Program& program, const Expression& expression) {
-  QuickValue value;
-  value.expression = &expression;
-  value.form = QuickValue::Form::Code;
-  switch (expression.kind) {
-    case Expression::Kind::Constant:
-      value.form = QuickValue::Form::Constant;
-      value.constant = expression.constant;
-      return value;
-    case Expression::Kind::Slot:
-      value.form = QuickValue::Form::Slot;
-      value.a = expression.slot;
-      return value;
-    case Expression::Kind::Code:
-      break;
-  }
-  if (expression.code.end - expression.code.begin != 3) {
-    return value;
-  }
-  // two operands and an operator
-  const Instruction& first = program.code[expression.code.begin];
-  const Instruction& second = program.code[expression.code.begin + 1];
-  const Operation operation = program.code[expression.code.begin + 2].operation;
-  const bool isFirstSlot = first.operation == Operation::LoadSlot;
-  const bool isSecondSlot = second.operation == Operation::LoadSlot;
-  const bool isFirstConstant = first.operation == Operation::Constant;
-  const bool isSecondConstant = second.operation == Operation::Constant;
-  if ((!isFirstSlot && !isFirstConstant) || (!isSecondSlot && !isSecondConstant) ||
-      (isFirstConstant && isSecondConstant) ||
-      !isQuickOperator(operation, isSecondConstant && program.constants[second.operand] != 0.0)) {
-    return value;
-  }
-  value.operation = operation;
-  if (isFirstSlot && isSecondSlot) {
-    value.form = QuickValue::Form::SlotSlot;
-    value.a = first.operand;
-    value.b = second.operand;
-  } else if (isFirstSlot) {
-    value.form = QuickValue::Form::SlotConstant;
-    value.a = first.operand;
-    value.constant = program.constants[second.operand];
-  } else {
-    value.form = QuickValue::Form::ConstantSlot;
-    value.a = second.operand;
-    value.constant = program.constants[first.operand];
-  }
-  return value;
-}
-
 /// Whether code assigns a formal parameter.
 bool assignsFormal(const language::Program& program, const language::CodeRange& code) {
   return std::any_of(program.code.begin() + code.begin, program.code.begin() + code.end,
@@ -125,45 +76,6 @@ bool isScanSymbol(const language::Program& program, core::ModuleTypeId type) {
 
 }  // namespace
 
-double quickValue(const QuickValue& value, const double* frame) {
-  double a = 0.0;
-  double b = 0.0;
-  switch (value.form) {
-    case QuickValue::Form::Constant:
-      return value.constant;
-    case QuickValue::Form::Slot:
-      return frame[value.a];
-    case QuickValue::Form::SlotConstant:
-      a = frame[value.a];
-      b = value.constant;
-      break;
-    case QuickValue::Form::ConstantSlot:
-      a = value.constant;
-      b = frame[value.a];
-      break;
-    case QuickValue::Form::SlotSlot:
-      a = frame[value.a];
-      b = frame[value.b];
-      break;
-    case QuickValue::Form::Code:
-      break;
-  }
-  switch (value.operation) {
-    case Operation::Add:
-      return a + b;
-    case Operation::Subtract:
-      return a - b;
-    case Operation::Multiply:
-      return a * b;
-    case Operation::Divide:
-      return a / b;
-    default: {
-      bool dividedByZero = false;
-      return language::applyBinary(value.operation, a, b, dividedByZero);
-    }
-  }
-}
-
 std::size_t chooseByWeight(std::span<const double> weights, double draw, bool usesFloats) {
   if (usesFloats) {
     float sum = 0.0F;
@@ -194,7 +106,7 @@ std::size_t chooseByWeight(std::span<const double> weights, double draw, bool us
 }
 
 ProductionPlan::ProductionPlan(const language::Program& program, const language::LSystem& system)
-    : plans_(program.moduleTypeCount()) {
+    : plans_(program.moduleTypeCount()), firstConstant_(program.maximumSlots + kFreePlaces) {
   for (std::size_t type = 0; type < program.moduleTypeCount(); ++type) {
     planType(program, system, static_cast<core::ModuleTypeId>(type));
   }
@@ -275,6 +187,53 @@ void ProductionPlan::planType(const language::Program& program, const language::
   largestParameterCount_ = std::max<std::uint64_t>(largestParameterCount_, plan.arity);
 }
 
+std::uint32_t ProductionPlan::addConstant(double value) {
+  constants_.push_back(value);
+  return static_cast<std::uint32_t>(firstConstant_ + constants_.size() - 1);
+}
+
+QuickValue ProductionPlan::makeValue(const language::Program& program, const Expression& expression) {
+  QuickValue value;
+  value.expression = &expression;
+  value.form = QuickValue::Form::Code;
+  switch (expression.kind) {
+    case Expression::Kind::Constant:
+      value.form = QuickValue::Form::Constant;
+      value.a = addConstant(expression.constant);
+      return value;
+    case Expression::Kind::Slot:
+      value.form = QuickValue::Form::Slot;
+      value.a = expression.slot;
+      return value;
+    case Expression::Kind::Code:
+      break;
+  }
+  if (expression.code.end - expression.code.begin != 3) {
+    return value;
+  }
+  // two operands, of which one may be a constant, and an operator
+  const Instruction& first = program.code[expression.code.begin];
+  const Instruction& second = program.code[expression.code.begin + 1];
+  const Operation operation = program.code[expression.code.begin + 2].operation;
+  const auto isOperand = [](const Instruction& instruction) {
+    return instruction.operation == Operation::LoadSlot || instruction.operation == Operation::Constant;
+  };
+  const bool isSecondConstant = second.operation == Operation::Constant;
+  if (!isOperand(first) || !isOperand(second) || (first.operation == Operation::Constant && isSecondConstant) ||
+      !isQuickOperator(operation, isSecondConstant && program.constants[second.operand] != 0.0)) {
+    return value;
+  }
+  const auto place = [&](const Instruction& instruction) {
+    return instruction.operation == Operation::LoadSlot ? instruction.operand
+                                                        : addConstant(program.constants[instruction.operand]);
+  };
+  value.form = QuickValue::Form::Operator;
+  value.operation = operation;
+  value.a = place(first);
+  value.b = place(second);
+  return value;
+}
+
 std::uint32_t ProductionPlan::addRule(const language::Program& program, const Production& production,
                                       bool usesWeights) {
   QuickRule rule;
@@ -283,12 +242,12 @@ std::uint32_t ProductionPlan::addRule(const language::Program& program, const Pr
   rule.hasBehind = !production.postBlock.empty();
   rule.hasCondition = production.condition.has_value();
   if (rule.hasCondition) {
-    rule.condition = makeQuickValue(program, *production.condition);
+    rule.condition = makeValue(program, *production.condition);
   }
   rule.hasWeight = usesWeights && production.probability.has_value();
-  rule.weight.constant = 1.0;
+  rule.weight.a = addConstant(1.0);
   if (rule.hasWeight) {
-    rule.weight = makeQuickValue(program, *production.probability);
+    rule.weight = makeValue(program, *production.probability);
   }
   rule.firstType = static_cast<std::uint32_t>(types_.size());
   rule.length = static_cast<std::uint32_t>(production.successor.size());
@@ -296,7 +255,7 @@ std::uint32_t ProductionPlan::addRule(const language::Program& program, const Pr
   for (const language::SuccessorModule& module : production.successor) {
     types_.push_back(module.type);
     for (std::uint32_t i = 0; i < program.arity[module.type]; ++i) {
-      values_.push_back(makeQuickValue(program, production.expressions[module.firstExpression + i]));
+      values_.push_back(makeValue(program, production.expressions[module.firstExpression + i]));
     }
   }
   rule.valueCount = static_cast<std::uint32_t>(values_.size()) - rule.firstValue;

@@ -15,7 +15,7 @@ constexpr std::uint64_t kMostOutput = 65536;
 // modules or parameters that a move may write beyond the end
 constexpr std::uint64_t kSlack = 64;
 // parameters that one move copies, even when fewer count
-constexpr std::uint64_t kCopiedAtOnce = 4;
+constexpr std::uint64_t kCopiedAtOnce = ProductionPlan::kFreePlaces;
 
 }  // namespace
 
@@ -27,10 +27,11 @@ PlainScan::PlainScan(ScanContext& context, ModuleRewriter& rewriter)
       values_(context.tables.front().plan.values()),
       successors_(context.tables.front().plan.types()),
       storesFloats_(context.rewriter.storesFloats()),
-      frame_(context.program.maximumSlots + kCopiedAtOnce, 0.0) {
+      frame_(context.tables.front().plan.firstConstant(), 0.0) {
   const std::vector<std::uint16_t>& arity = context.program.arity;
   hasParameters_ = std::any_of(arity.begin(), arity.end(), [](std::uint16_t count) { return count > 0; });
   const ProductionPlan& plan = context.tables.front().plan;
+  frame_.insert(frame_.end(), plan.constants().begin(), plan.constants().end());
   chunkModules_ = std::clamp<std::uint64_t>(kMostOutput / std::max(plan.largestLength(), plan.largestParameterCount()),
                                             1, kMostModules);
 }
@@ -69,6 +70,16 @@ void PlainScan::stopWriting(const Target& target) {
   ModuleString& output = context_->output;
   output.typeBuffer().resize(static_cast<std::size_t>(target.type - output.typeBuffer().data()));
   output.parameterBuffer().resize(static_cast<std::size_t>(target.parameter - output.parameterBuffer().data()));
+}
+
+[[gnu::always_inline]] inline void PlainScan::loadFrame(const ModuleString& old, std::uint64_t offset,
+                                                        std::uint64_t arity) {
+  const double* const parameters = old.parameters().data() + offset;
+  if (arity <= kCopiedAtOnce && offset + kCopiedAtOnce <= old.parameterCount()) [[likely]] {
+    std::memcpy(frame_.data(), parameters, kCopiedAtOnce * sizeof(double));
+  } else {
+    std::copy_n(parameters, arity, frame_.data());
+  }
 }
 
 [[gnu::always_inline]] inline double PlainScan::evaluate(const QuickValue& value) {
@@ -182,11 +193,7 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
     }
 
     // productions that only a condition and a weight decide between
-    if (plan.arity <= kCopiedAtOnce && offset + kCopiedAtOnce <= parameterCount) [[likely]] {
-      std::memcpy(frame_.data(), parameters + offset, kCopiedAtOnce * sizeof(double));
-    } else {
-      std::copy_n(parameters + offset, plan.arity, frame_.data());
-    }
+    loadFrame(old, offset, plan.arity);
     const QuickRule* const rule = chooseRule(plan, types[module], module, draw);
     if (rule != nullptr) {
       writeSuccessor(*rule, module, target);
@@ -240,7 +247,7 @@ void PlainScan::rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, 
   const ModuleString& old = *context_->old;
   const core::ModuleTypeId type = old.types()[place.module];
   const double* const parameters = old.parameters().data() + place.offset;
-  std::copy_n(parameters, plan.arity, frame_.data());
+  loadFrame(old, place.offset, plan.arity);
   context_->evaluator.setModule(place.module, type);
   if (plan.drawsRandom) {
     context_->random.key(core::DrawDomain::Production, context_->step, place.module);
@@ -251,8 +258,9 @@ void PlainScan::rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, 
   if (context_->tables.front().system->isStochastic) {
     rule = chooseByWeights(first, last, place.module, draw);
   } else {
-    rule = std::find_if(first, last, [this](const QuickRule& candidate) { return matches(candidate); });
-    rule = rule == last ? nullptr : rule;
+    for (const QuickRule* candidate = first; candidate != last && rule == nullptr; ++candidate) {
+      rule = matches(*candidate) ? candidate : nullptr;
+    }
   }
   if (rule == nullptr) {
     *target.type++ = type;

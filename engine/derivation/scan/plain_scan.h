@@ -33,6 +33,7 @@ class PlainScan {
   void scanChunk(std::uint64_t end, ScanPlace& place);
   [[nodiscard]] Target startWriting(std::uint64_t moduleCount);
   void stopWriting(const Target& target);
+  void loadFrame(const ModuleString& old, std::uint64_t offset, std::uint64_t arity);
   [[nodiscard]] double evaluate(const QuickValue& value);
   [[nodiscard]] const QuickRule* chooseRule(const TypePlan& plan, core::ModuleTypeId type, std::uint64_t module,
                                             double draw);
@@ -58,7 +59,7 @@ class PlainScan {
   bool storesFloats_;                       // Rewriter::storesFloats
   bool hasParameters_ = false;              // some module type of the Program has parameters
   std::uint64_t chunkModules_ = 1;          // old modules between two looks at the limits and at `cancelled`
-  std::vector<double> frame_;               // formal parameters of the module (Program::maximumSlots)
+  std::vector<double> frame_;               // formal parameters of the module, free places, the constants of the plan
   std::vector<double> weights_;             // of the rules that match
   std::vector<const QuickRule*> matching_;  // the same rules
 };
