@@ -183,11 +183,10 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
       if (plan.kind == TypePlan::Kind::Blocks) {
         scanBlocks(end, draw, next);
       } else {
-        rewriter_->rewriteNext(tables, draw, next);
+        scanGeneral(end, draw, next);
       }
       module = next.module;
       offset = next.offset;
-      context_->rewriter.checkSize(context_->output.size(), context_->output.parameterCount());
       target = startWriting(end > module ? end - module : 0);
       continue;
     }
@@ -214,6 +213,20 @@ bool PlainScan::matches(const QuickRule& rule) {
     context_->evaluator.run(rule.production->preBlock, frame_.data());
   }
   return !rule.hasCondition || evaluate(rule.condition) != 0.0;
+}
+
+void PlainScan::scanGeneral(std::uint64_t end, double draw, ScanPlace& place) {
+  const core::ModuleTypeId* const types = context_->old->types().data();
+  const SystemTables& tables = context_->tables.front();
+  const bool drawsEachPosition = context_->drawsEachPosition(*tables.system);
+  while (true) {
+    rewriter_->rewriteNext(tables, draw, place);
+    context_->rewriter.checkSize(context_->output.size(), context_->output.parameterCount());
+    if (place.module >= end || plans_[types[place.module]].kind != TypePlan::Kind::General) {
+      return;
+    }
+    draw = drawsEachPosition ? context_->random.selection(context_->step, place.module) : 0.0;
+  }
 }
 
 void PlainScan::scanBlocks(std::uint64_t end, double draw, ScanPlace& place) {

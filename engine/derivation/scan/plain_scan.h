@@ -44,6 +44,8 @@ class PlainScan {
   /// Rewrites the modules from `place` on whose productions have blocks, up to the first of another kind, and moves
   /// `place` behind them. `draw` is that of the first module.
   void scanBlocks(std::uint64_t end, double draw, ScanPlace& place);
+  /// The same for those that need the ModuleRewriter.
+  void scanGeneral(std::uint64_t end, double draw, ScanPlace& place);
   void rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, double draw, Target& target);
   void writeSuccessor(const QuickRule& rule, std::uint64_t module, Target& target);
   [[noreturn]] void failNonFinite(const QuickRule& rule, std::uint32_t valueIndex, double value, std::uint64_t module);
