@@ -23,10 +23,6 @@ constexpr std::array kSpecialFunctions{
 #include "engine/language/function.def"
 };
 
-double sign(double x) {
-  return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0);
-}
-
 // the remainder with the sign of the divisor
 double floorModulo(double x, double divisor, bool& dividedByZero) {
   if (divisor == 0.0) {
@@ -74,21 +70,14 @@ double callPure(Function function, std::span<const double> arguments, bool& divi
     case Function::Log:
       return elementary.log(x);
     case Function::Sqrt:
-      return std::sqrt(x);
     case Function::Fabs:
-      return std::fabs(x);
     case Function::Floor:
-      return std::floor(x);
     case Function::Ceil:
-      return std::ceil(x);
     case Function::Sign:
-      return sign(x);
     case Function::Trunc:
-      return std::floor(x + 0.5);
     case Function::Min:
-      return std::min(x, arguments[1]);
     case Function::Max:
-      return std::max(x, arguments[1]);
+      return callBasic(function, arguments);
     case Function::Mod:
       return floorModulo(x, arguments[1], dividedByZero);
     case Function::Hypot:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -110,6 +111,34 @@ namespace espalier::language {
 /// and so on) need the view file.
 [[nodiscard]] constexpr bool isArithmetic(Function function) {
   return function <= Function::Clamp;
+}
+
+/// Whether callBasic computes the function: Sqrt to Max of function.def.
+[[nodiscard]] constexpr bool isBasic(Function function) {
+  return function >= Function::Sqrt && function <= Function::Max;
+}
+
+/// The value of a function that costs as little as an operator.
+[[nodiscard]] inline double callBasic(Function function, std::span<const double> arguments) {
+  const double x = arguments[0];
+  switch (function) {
+    case Function::Sqrt:
+      return std::sqrt(x);
+    case Function::Fabs:
+      return std::fabs(x);
+    case Function::Floor:
+      return std::floor(x);
+    case Function::Ceil:
+      return std::ceil(x);
+    case Function::Sign:
+      return x > 0.0 ? 1.0 : (x < 0.0 ? -1.0 : 0.0);
+    case Function::Trunc:
+      return std::floor(x + 0.5);
+    case Function::Min:
+      return std::min(x, arguments[1]);
+    default:
+      return std::max(x, arguments[1]);
+  }
 }
 
 /// The value of an arithmetic function, the first argument first; the argument count is one that function.def allows.

@@ -117,7 +117,8 @@ TEST_F(LanguageTools, DisassembleSaysWhichWayAProductionTakesAndWhy) {
   EXPECT_TRUE(
       contains(result.output, "production 1: B(l) < C > D --> DC\n  in batches; the nearest neighbours are found"))
       << result.output;
-  EXPECT_TRUE(contains(result.output, "  one module at a time: a block assigns a variable of the L-system\n"))
+  EXPECT_TRUE(
+      contains(result.output, "  one module at a time, by a table: a block assigns a variable of the L-system\n"))
       << result.output;
   EXPECT_TRUE(contains(result.output, "production 3: D --> DD\n  a fixed block of modules is copied\n"))
       << result.output;

@@ -27,7 +27,7 @@ PlainDerivation::PlainDerivation(const language::Program& program, std::uint64_t
   }
 }
 
-double PlainDerivation::value(const language::Expression& expression, const Frame& frame, double step, Draws& draws) {
+double PlainDerivation::value(const language::Expression& expression, Frame& frame, double step, Draws& draws) {
   if (expression.kind == language::Expression::Kind::Constant) {
     return expression.constant;
   }
@@ -50,7 +50,7 @@ double& PlainDerivation::element(const language::Instruction& instruction, const
   return elements_.at(array.firstElement + index);
 }
 
-double PlainDerivation::run(language::CodeRange code, const Frame& frame, double step, Draws& draws) {
+double PlainDerivation::run(language::CodeRange code, Frame& frame, double step, Draws& draws) {
   std::vector<double> stack;
   const auto pop = [&stack] {
     const double top = stack.back();
@@ -82,6 +82,9 @@ double PlainDerivation::run(language::CodeRange code, const Frame& frame, double
         break;
       case Operation::LoadElement:
         stack.push_back(element(instruction, popAll(instruction.count)));
+        break;
+      case Operation::StoreSlot:
+        frame.at(instruction.operand) = pop();
         break;
       case Operation::StoreStatic:
         statics_.at(instruction.operand) = pop();
@@ -277,12 +280,13 @@ bool PlainDerivation::matchesRight(const PlainString& old, std::size_t behind, c
 PlainString PlainDerivation::axiom() {
   PlainString string;
   Draws draws;
-  run(program_->systems[0].start, Frame{}, 0.0, draws);
+  Frame none;
+  run(program_->systems[0].start, none, 0.0, draws);
   for (const language::SuccessorModule& module : program_->systems[0].axiom) {
     PlainModule made{module.type, {}};
     for (std::size_t i = 0; i < program_->arity[module.type]; ++i) {
       made.parameters.push_back(
-          value(program_->systems[0].axiomExpressions.at(module.firstExpression + i), Frame{}, 0.0, draws));
+          value(program_->systems[0].axiomExpressions.at(module.firstExpression + i), none, 0.0, draws));
     }
     string.push_back(std::move(made));
   }
@@ -314,7 +318,7 @@ std::vector<PlainDerivation::Match> PlainDerivation::matches(const PlainString& 
   return found;
 }
 
-PlainString PlainDerivation::successor(const Match& match, double step, Draws& draws) {
+PlainString PlainDerivation::successor(Match& match, double step, Draws& draws) {
   PlainString made;
   run(match.production->postBlock, match.frame, step, draws);
   for (const language::SuccessorModule& module : match.production->successor) {
@@ -353,12 +357,13 @@ PlainString PlainDerivation::derive(const PlainString& old, std::uint64_t step) 
   const core::CounterRandom random(seed_, 0);
   const auto q = static_cast<double>(step);
   Draws ofBlocks;
-  run(system.startEach, Frame{}, q, ofBlocks);
+  Frame none;
+  run(system.startEach, none, q, ofBlocks);
   PlainString made;
   for (std::size_t at = 0; at < old.size();) {
     // all productions that apply here, in the order of the file
     Draws draws{at, 0};
-    const std::vector<Match> found = matches(old, at, q, draws);
+    std::vector<Match> found = matches(old, at, q, draws);
     const bool isDecomposed = std::any_of(
         system.decomposition.productions.begin(), system.decomposition.productions.end(),
         [&](const language::Production& production) { return production.predecessor[0].type == old[at].type; });

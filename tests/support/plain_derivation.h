@@ -31,9 +31,10 @@ class PlainDerivation {
   /// Runs StartEach. The string after step `step` (from 1), made from the one before it.
   [[nodiscard]] PlainString derive(const PlainString& old, std::uint64_t step);
 
-  /// What blocks have left: local variables of productions, and variables of the L-system.
+  /// What blocks have left: local variables of productions, variables of the L-system, elements of its arrays.
   [[nodiscard]] const std::vector<double>& statics() const { return statics_; }
   [[nodiscard]] const std::vector<double>& variables() const { return variables_; }
+  [[nodiscard]] const std::vector<double>& elements() const { return elements_; }
 
  private:
   using Frame = std::vector<double>;
@@ -47,12 +48,12 @@ class PlainDerivation {
     Frame frame;
     double weight = 1.0;
   };
-  [[nodiscard]] double value(const language::Expression& expression, const Frame& frame, double step, Draws& draws);
+  [[nodiscard]] double value(const language::Expression& expression, Frame& frame, double step, Draws& draws);
   /// Runs code; its value, if it has one.
-  double run(language::CodeRange code, const Frame& frame, double step, Draws& draws);
+  double run(language::CodeRange code, Frame& frame, double step, Draws& draws);
   [[nodiscard]] double& element(const language::Instruction& instruction, const std::vector<double>& subscripts);
   [[nodiscard]] std::vector<Match> matches(const PlainString& old, std::size_t at, double step, Draws& draws);
-  PlainString successor(const Match& match, double step, Draws& draws);
+  PlainString successor(Match& match, double step, Draws& draws);
   void decompose(const PlainModule& module, std::uint32_t depth, double step, Draws& draws, PlainString& made);
   [[nodiscard]] bool matchesPredecessor(const PlainString& old, std::size_t at, const language::Production& production,
                                         Frame& frame) const;

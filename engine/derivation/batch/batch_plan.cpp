@@ -117,7 +117,8 @@ BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& 
     isCheap_ = isCheap_ &&
                (classes_[type] != Class::Group || (plan[type].kind != TypePlan::Kind::General && !plan[type].usesCode &&
                                                    !(isWeighted_ && groups_.back().ruleCount > 1)));
-    isQuick_ = isQuick_ && (classes_[type] != Class::Group || plan[type].kind != TypePlan::Kind::General);
+    isQuick_ = isQuick_ && (classes_[type] != Class::Group ||
+                            (plan[type].kind != TypePlan::Kind::General && plan[type].kind != TypePlan::Kind::Blocks));
     hasCuts_ = hasCuts_ || classes_[type] == Class::Cut;
     hasFixed = hasFixed || classes_[type] == Class::Fixed || hasCuts_;
   }

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "engine/language/program.h"
@@ -16,13 +15,16 @@ template <typename OnClamped>
                                        OnClamped onClamped) {
   std::size_t index = 0;
   for (std::size_t i = 0; i < variable.dimensions.size(); ++i) {
-    const double last = static_cast<double>(variable.dimensions[i]) - 1.0;
-    const double subscript = i < subscripts.size() ? std::trunc(subscripts[i]) : 0.0;
-    const double clamped = std::isnan(subscript) ? 0.0 : std::clamp(subscript, 0.0, last);
-    if (!(clamped == subscript)) {
+    const std::uint32_t dimension = variable.dimensions[i];
+    const double subscript = i < subscripts.size() ? subscripts[i] : 0.0;
+    index *= dimension;
+    if (subscript >= 0.0 && subscript < dimension) [[likely]] {
+      // the conversion truncates
+      index += static_cast<std::uint32_t>(subscript);
+    } else if (!(subscript > -1.0 && subscript < 0.0)) {
+      index += subscript >= dimension ? dimension - 1 : 0;
       onClamped(i);
     }
-    index = index * variable.dimensions[i] + static_cast<std::size_t>(clamped);
   }
   return variable.firstElement + index;
 }

@@ -49,7 +49,8 @@ void Evaluator::setStep(std::uint64_t step, std::uint64_t failingStep) {
 }
 
 void Evaluator::run(language::CodeRange code, double* frame) {
-  const Instruction* instructions = program_->code.data();
+  const Instruction* const instructions = program_->code.data();
+  const Instruction* const end = instructions + code.end;
   const double* constants = program_->constants.data();
   double* variables = instance_->variables.data();
   double* statics = state_->statics.data();
@@ -57,10 +58,19 @@ void Evaluator::run(language::CodeRange code, double* frame) {
   std::uint64_t iterations = 0;
   bool dividedByZero = false;
 
-  for (std::uint32_t at = code.begin; at < code.end;) {
-    const Instruction instruction = instructions[at];
+  for (const Instruction* at = instructions + code.begin; at < end;) {
+    const Instruction instruction = *at;
     const std::uint32_t operand = instruction.operand;
-    std::uint32_t next = at + 1;
+    const Instruction* next = at + 1;
+    // of the instruction, for messages
+    const auto index = [&] { return static_cast<std::uint32_t>(at - instructions); };
+    const auto jump = [&] {
+      next = instructions + operand;
+      // a jump back is a turn of a loop
+      if (next <= at) {
+        countTurn(++iterations, index());
+      }
+    };
     switch (instruction.operation) {
       case Operation::Constant:
         *top++ = constants[operand];
@@ -82,7 +92,7 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         break;
       case Operation::LoadElement: {
         top -= instruction.count;
-        const double loaded = *element(operand, {top, instruction.count}, at);
+        const double loaded = *element(operand, {top, instruction.count}, index());
         *top++ = loaded;
         break;
       }
@@ -98,7 +108,7 @@ void Evaluator::run(language::CodeRange code, double* frame) {
       case Operation::StoreElement: {
         const double stored = *--top;
         top -= instruction.count;
-        *element(operand, {top, instruction.count}, at) = stored;
+        *element(operand, {top, instruction.count}, index()) = stored;
         break;
       }
       case Operation::Pop:
@@ -131,7 +141,7 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         top[-1] = language::applyBinary(instruction.operation, top[-1], top[0], dividedByZero);
         if (dividedByZero) {
           dividedByZero = false;
-          warnOnce(at, "division by 0; the divisor counts as 1");
+          warnOnce(index(), "division by 0; the divisor counts as 1");
         }
         break;
       case Operation::Power:
@@ -175,27 +185,30 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         top[-1] = language::isTrue(top[-1]) ? top[0] : top[1];
         break;
       case Operation::Jump:
-        next = operand;
+        jump();
         break;
       case Operation::JumpIfZero:
         if (!language::isTrue(*--top)) {
-          next = operand;
+          jump();
         }
         break;
       case Operation::JumpIfNonZero:
         if (language::isTrue(*--top)) {
-          next = operand;
+          jump();
         }
         break;
       case Operation::JumpIfOrSkips:
         // with and without the jump, the left value stays
         if (language::orSkips(top[-1])) {
-          next = operand;
+          jump();
         }
         break;
       case Operation::Call: {
+        const auto function = static_cast<Function>(operand);
         top -= instruction.count;
-        const double result = call(static_cast<Function>(operand), {top, instruction.count}, at);
+        const std::span<const double> arguments(top, instruction.count);
+        const double result =
+            language::isBasic(function) ? language::callBasic(function, arguments) : call(function, arguments, index());
         *top++ = result;
         break;
       }
@@ -205,10 +218,10 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         *top++ = 0.0;
         break;
       case Operation::FileOpen:
-        *top++ = openFile(operand, instruction.count, at);
+        *top++ = openFile(operand, instruction.count, index());
         break;
       case Operation::FileClose:
-        closeFile(top[-1], at);
+        closeFile(top[-1], index());
         top[-1] = 0.0;
         break;
       case Operation::FileFlush:
@@ -217,42 +230,45 @@ void Evaluator::run(language::CodeRange code, double* frame) {
         break;
       case Operation::FilePrint:
         top -= instruction.count + 1;
-        printToFile(top[0], program_->strings[operand], {top + 1, instruction.count}, at);
+        printToFile(top[0], program_->strings[operand], {top + 1, instruction.count}, index());
         *top++ = 0.0;
         break;
       case Operation::FileScan: {
         const double handle = *--top;
         std::fill_n(top, instruction.count, 0.0);
-        const double readCount = scanFile(handle, program_->strings[operand], {top, instruction.count}, at);
+        const double readCount = scanFile(handle, program_->strings[operand], {top, instruction.count}, index());
         top += instruction.count;
         *top++ = readCount;
         break;
-      }
-    }
-    // a jump back is a turn of a loop
-    if (next <= at) {
-      if (++iterations > options_.limits.maximumLoopIterations) {
-        failHere(core::SimulationErrorCode::LimitExceeded,
-                 "a loop ran more than " + std::to_string(options_.limits.maximumLoopIterations) +
-                     " iterations (limit loopIterations)",
-                 program_->codeRanges[at]);
-      }
-      if ((iterations & kCancelMask) == 0) {
-        pollCancelled();
       }
     }
     at = next;
   }
 }
 
-double* Evaluator::element(std::uint32_t array, std::span<const double> subscripts, std::uint32_t at) {
+void Evaluator::countTurn(std::uint64_t iterations, std::uint32_t at) const {
+  if (iterations > options_.limits.maximumLoopIterations) {
+    failHere(core::SimulationErrorCode::LimitExceeded,
+             "a loop ran more than " + std::to_string(options_.limits.maximumLoopIterations) +
+                 " iterations (limit loopIterations)",
+             program_->codeRanges[at]);
+  }
+  if ((iterations & kCancelMask) == 0) {
+    pollCancelled();
+  }
+}
+
+inline double* Evaluator::element(std::uint32_t array, std::span<const double> subscripts, std::uint32_t at) {
   const language::ArrayVariable& variable = system_->arrays[array];
-  return &instance_->elements[arrayElement(variable, subscripts, [&](std::size_t i) {
-    if (hasWarned_[at] == 0) {
-      warnOnce(at, "subscript " + std::to_string(i + 1) + " of '" + variable.name +
-                       "' is outside the array and is clamped to its ends");
-    }
-  })];
+  return instance_->elements.data() +
+         arrayElement(variable, subscripts, [&](std::size_t i) { warnClamped(variable, i, at); });
+}
+
+void Evaluator::warnClamped(const language::ArrayVariable& variable, std::size_t subscript, std::uint32_t at) {
+  if (hasWarned_[at] == 0) {
+    warnOnce(at, "subscript " + std::to_string(subscript + 1) + " of '" + variable.name +
+                     "' is outside the array and is clamped to its ends");
+  }
 }
 
 double Evaluator::call(Function function, std::span<const double> arguments, std::uint32_t at) {

@@ -89,8 +89,11 @@ class Evaluator {
   }
 
  private:
+  /// Fails where a loop turns too often; looks at `cancelled` from time to time.
+  void countTurn(std::uint64_t iterations, std::uint32_t at) const;
   [[nodiscard]] double call(language::Function function, std::span<const double> arguments, std::uint32_t at);
   [[nodiscard]] double* element(std::uint32_t array, std::span<const double> subscripts, std::uint32_t at);
+  void warnClamped(const language::ArrayVariable& variable, std::size_t subscript, std::uint32_t at);
   void print(const std::string& format, std::span<const double> arguments) const;
   /// vvXmin and its relatives, without vvScale.
   [[nodiscard]] double viewVolume(language::Function function) const;

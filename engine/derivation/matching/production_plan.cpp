@@ -32,60 +32,19 @@ bool isQuickOperator(Operation operation, bool isDivisorSafe) {
   }
 }
 
-QuickValue makeQuickValue(const language::Program& program, const Expression& expression) {
-  QuickValue value;
-  value.expression = &expression;
-  value.form = QuickValue::Form::Code;
-  switch (expression.kind) {
-    case Expression::Kind::Constant:
-      value.form = QuickValue::Form::Constant;
-      value.constant = expression.constant;
-      return value;
-    case Expression::Kind::Slot:
-      value.form = QuickValue::Form::Slot;
-      value.a = expression.slot;
-      return value;
-    case Expression::Kind::Code:
-      break;
-  }
-  if (expression.code.end - expression.code.begin != 3) {
-    return value;
-  }
-  // two operands and an operator
-  const Instruction& first = program.code[expression.code.begin];
-  const Instruction& second = program.code[expression.code.begin + 1];
-  const Operation operation = program.code[expression.code.begin + 2].operation;
-  const bool isFirstSlot = first.operation == Operation::LoadSlot;
-  const bool isSecondSlot = second.operation == Operation::LoadSlot;
-  const bool isFirstConstant = first.operation == Operation::Constant;
-  const bool isSecondConstant = second.operation == Operation::Constant;
-  if ((!isFirstSlot && !isFirstConstant) || (!isSecondSlot && !isSecondConstant) ||
-      (isFirstConstant && isSecondConstant) ||
-      !isQuickOperator(operation, isSecondConstant && program.constants[second.operand] != 0.0)) {
-    return value;
-  }
-  value.operation = operation;
-  if (isFirstSlot && isSecondSlot) {
-    value.form = QuickValue::Form::SlotSlot;
-    value.a = first.operand;
-    value.b = second.operand;
-  } else if (isFirstSlot) {
-    value.form = QuickValue::Form::SlotConstant;
-    value.a = first.operand;
-    value.constant = program.constants[second.operand];
-  } else {
-    value.form = QuickValue::Form::ConstantSlot;
-    value.a = second.operand;
-    value.constant = program.constants[first.operand];
-  }
-  return value;
+/// Whether code assigns a formal parameter.
+bool assignsFormal(const language::Program& program, const language::CodeRange& code) {
+  return std::any_of(program.code.begin() + code.begin, program.code.begin() + code.end,
+                     [](const Instruction& instruction) { return instruction.operation == Operation::StoreSlot; });
 }
 
-/// Whether only condition and weight decide, and the successor stays as it is made.
-bool isQuickProduction(const language::LSystem& system, const Production& production) {
+/// Whether only condition and weight decide, and the successor stays as it is made. All candidates of a module share
+/// its formal parameters, so no block that runs before the choice may assign one.
+bool isQuickProduction(const language::Program& program, const language::LSystem& system,
+                       const Production& production) {
   if (production.predecessor.size() != 1 || production.predecessor[0].firstSlot != 0 ||
       !production.leftContext.empty() || !production.rightContext.empty() || !production.newLeftContext.empty() ||
-      !production.newRightContext.empty() || !production.preBlock.empty() || !production.postBlock.empty()) {
+      !production.newRightContext.empty() || assignsFormal(program, production.preBlock)) {
     return false;
   }
   return std::none_of(
@@ -95,6 +54,15 @@ bool isQuickProduction(const language::LSystem& system, const Production& produc
 
 bool canDraw(const Expression& expression) {
   return !expression.isPure;
+}
+
+/// Whether a block calls what is not pure: draws, `srand`.
+bool canDraw(const language::Program& program, const language::CodeRange& block) {
+  return std::any_of(program.code.begin() + block.begin, program.code.begin() + block.end,
+                     [](const Instruction& instruction) {
+                       return instruction.operation == Operation::Call &&
+                              !language::functionInfo(static_cast<language::Function>(instruction.operand)).isPure;
+                     });
 }
 
 bool isCode(const QuickValue& value) {
@@ -107,45 +75,6 @@ bool isScanSymbol(const language::Program& program, core::ModuleTypeId type) {
 }
 
 }  // namespace
-
-double quickValue(const QuickValue& value, const double* frame) {
-  double a = 0.0;
-  double b = 0.0;
-  switch (value.form) {
-    case QuickValue::Form::Constant:
-      return value.constant;
-    case QuickValue::Form::Slot:
-      return frame[value.a];
-    case QuickValue::Form::SlotConstant:
-      a = frame[value.a];
-      b = value.constant;
-      break;
-    case QuickValue::Form::ConstantSlot:
-      a = value.constant;
-      b = frame[value.a];
-      break;
-    case QuickValue::Form::SlotSlot:
-      a = frame[value.a];
-      b = frame[value.b];
-      break;
-    case QuickValue::Form::Code:
-      break;
-  }
-  switch (value.operation) {
-    case Operation::Add:
-      return a + b;
-    case Operation::Subtract:
-      return a - b;
-    case Operation::Multiply:
-      return a * b;
-    case Operation::Divide:
-      return a / b;
-    default: {
-      bool dividedByZero = false;
-      return language::applyBinary(value.operation, a, b, dividedByZero);
-    }
-  }
-}
 
 std::size_t chooseByWeight(std::span<const double> weights, double draw, bool usesFloats) {
   if (usesFloats) {
@@ -177,7 +106,7 @@ std::size_t chooseByWeight(std::span<const double> weights, double draw, bool us
 }
 
 ProductionPlan::ProductionPlan(const language::Program& program, const language::LSystem& system)
-    : plans_(program.moduleTypeCount()) {
+    : plans_(program.moduleTypeCount()), firstConstant_(program.maximumSlots + kFreePlaces) {
   for (std::size_t type = 0; type < program.moduleTypeCount(); ++type) {
     planType(program, system, static_cast<core::ModuleTypeId>(type));
   }
@@ -211,21 +140,25 @@ void ProductionPlan::planType(const language::Program& program, const language::
     return;
   }
   const bool isQuick = std::all_of(candidates.begin(), candidates.end(), [&](std::uint32_t index) {
-    return isQuickProduction(system, system.productions.productions[index]);
+    return isQuickProduction(program, system, system.productions.productions[index]);
   });
   if (!isQuick) {
     return;
   }
   plan.firstRule = static_cast<std::uint32_t>(rules_.size());
   bool isUnmatchedPossible = true;
+  bool hasBlocks = false;
   for (const std::uint32_t index : candidates) {
     const Production& production = system.productions.productions[index];
     plan.ruleCount += addRule(program, production, system.isStochastic);
     const QuickRule& rule = rules_.back();
     plan.drawsRandom = plan.drawsRandom || (production.condition && canDraw(*production.condition)) ||
                        (rule.hasWeight && canDraw(*production.probability)) ||
-                       std::any_of(production.expressions.begin(), production.expressions.end(), canDraw);
-    plan.usesCode = plan.usesCode || isCode(rule.condition) || isCode(rule.weight) ||
+                       std::any_of(production.expressions.begin(), production.expressions.end(),
+                                   [](const Expression& expression) { return canDraw(expression); }) ||
+                       canDraw(program, production.preBlock) || canDraw(program, production.postBlock);
+    hasBlocks = hasBlocks || rule.hasBefore || rule.hasBehind;
+    plan.usesCode = plan.usesCode || hasBlocks || isCode(rule.condition) || isCode(rule.weight) ||
                     std::any_of(values_.begin() + rule.firstValue, values_.end(), isCode);
     isUnmatchedPossible = isUnmatchedPossible && rule.hasCondition;
     // a production without a condition always matches: later productions have no effect
@@ -238,9 +171,11 @@ void ProductionPlan::planType(const language::Program& program, const language::
     plan.kind = TypePlan::Kind::General;
     return;
   }
-  plan.kind = system.isStochastic ? TypePlan::Kind::Weights : TypePlan::Kind::Rules;
+  plan.kind = hasBlocks             ? TypePlan::Kind::Blocks
+              : system.isStochastic ? TypePlan::Kind::Weights
+                                    : TypePlan::Kind::Rules;
   const QuickRule& first = rules_[plan.firstRule];
-  if (plan.ruleCount == 1 && !first.hasCondition && !first.hasWeight && first.valueCount == 0) {
+  if (plan.ruleCount == 1 && !first.hasCondition && !first.hasWeight && !hasBlocks && first.valueCount == 0) {
     makeFixed(plan, first.firstType, first.length);
     return;
   }
@@ -252,18 +187,67 @@ void ProductionPlan::planType(const language::Program& program, const language::
   largestParameterCount_ = std::max<std::uint64_t>(largestParameterCount_, plan.arity);
 }
 
+std::uint32_t ProductionPlan::addConstant(double value) {
+  constants_.push_back(value);
+  return static_cast<std::uint32_t>(firstConstant_ + constants_.size() - 1);
+}
+
+QuickValue ProductionPlan::makeValue(const language::Program& program, const Expression& expression) {
+  QuickValue value;
+  value.expression = &expression;
+  value.form = QuickValue::Form::Code;
+  switch (expression.kind) {
+    case Expression::Kind::Constant:
+      value.form = QuickValue::Form::Constant;
+      value.a = addConstant(expression.constant);
+      return value;
+    case Expression::Kind::Slot:
+      value.form = QuickValue::Form::Slot;
+      value.a = expression.slot;
+      return value;
+    case Expression::Kind::Code:
+      break;
+  }
+  if (expression.code.end - expression.code.begin != 3) {
+    return value;
+  }
+  // two operands, of which one may be a constant, and an operator
+  const Instruction& first = program.code[expression.code.begin];
+  const Instruction& second = program.code[expression.code.begin + 1];
+  const Operation operation = program.code[expression.code.begin + 2].operation;
+  const auto isOperand = [](const Instruction& instruction) {
+    return instruction.operation == Operation::LoadSlot || instruction.operation == Operation::Constant;
+  };
+  const bool isSecondConstant = second.operation == Operation::Constant;
+  if (!isOperand(first) || !isOperand(second) || (first.operation == Operation::Constant && isSecondConstant) ||
+      !isQuickOperator(operation, isSecondConstant && program.constants[second.operand] != 0.0)) {
+    return value;
+  }
+  const auto place = [&](const Instruction& instruction) {
+    return instruction.operation == Operation::LoadSlot ? instruction.operand
+                                                        : addConstant(program.constants[instruction.operand]);
+  };
+  value.form = QuickValue::Form::Operator;
+  value.operation = operation;
+  value.a = place(first);
+  value.b = place(second);
+  return value;
+}
+
 std::uint32_t ProductionPlan::addRule(const language::Program& program, const Production& production,
                                       bool usesWeights) {
   QuickRule rule;
   rule.production = &production;
+  rule.hasBefore = !production.preBlock.empty();
+  rule.hasBehind = !production.postBlock.empty();
   rule.hasCondition = production.condition.has_value();
   if (rule.hasCondition) {
-    rule.condition = makeQuickValue(program, *production.condition);
+    rule.condition = makeValue(program, *production.condition);
   }
   rule.hasWeight = usesWeights && production.probability.has_value();
-  rule.weight.constant = 1.0;
+  rule.weight.a = addConstant(1.0);
   if (rule.hasWeight) {
-    rule.weight = makeQuickValue(program, *production.probability);
+    rule.weight = makeValue(program, *production.probability);
   }
   rule.firstType = static_cast<std::uint32_t>(types_.size());
   rule.length = static_cast<std::uint32_t>(production.successor.size());
@@ -271,7 +255,7 @@ std::uint32_t ProductionPlan::addRule(const language::Program& program, const Pr
   for (const language::SuccessorModule& module : production.successor) {
     types_.push_back(module.type);
     for (std::uint32_t i = 0; i < program.arity[module.type]; ++i) {
-      values_.push_back(makeQuickValue(program, production.expressions[module.firstExpression + i]));
+      values_.push_back(makeValue(program, production.expressions[module.firstExpression + i]));
     }
   }
   rule.valueCount = static_cast<std::uint32_t>(values_.size()) - rule.firstValue;

@@ -7,41 +7,69 @@
 #include <vector>
 
 #include "engine/core/identifiers.h"
+#include "engine/language/arithmetic.h"
 #include "engine/language/program.h"
 
 namespace espalier::derivation {
 
-/// An expression in the form that costs least to evaluate.
+/// An expression in the form that costs least to evaluate. Its operands are numbers of one array: the formal parameters
+/// of the module, and from ProductionPlan::firstConstant on the constants of the plan.
 struct QuickValue {
   enum class Form : std::uint8_t {
-    Constant,
-    Slot,          // frame[a]
-    SlotConstant,  // frame[a] operation constant
-    ConstantSlot,  // constant operation frame[a]
-    SlotSlot,      // frame[a] operation frame[b]
-    Code,          // by the Evaluator
+    Constant,  // numbers[a]
+    Slot,      // numbers[a]
+    Operator,  // numbers[a] operation numbers[b]
+    Code,      // by the Evaluator
   };
   Form form = Form::Constant;
-  language::Operation operation = language::Operation::Add;
+  language::Operation operation = language::Operation::LoadSlot;  // Constant, Slot: numbers[a] as it is
   std::uint32_t a = 0;
   std::uint32_t b = 0;
-  double constant = 0.0;
   const language::Expression* expression = nullptr;  // in the Program
 };
 
 /// The value of a form that needs no Evaluator, with the same bits as the Evaluator's.
-[[nodiscard]] double quickValue(const QuickValue& value, const double* frame);
+[[nodiscard]] inline double quickValue(const QuickValue& value, const double* numbers) {
+  const double a = numbers[value.a];
+  const double b = numbers[value.b];
+  switch (value.operation) {
+    case language::Operation::Add:
+      return a + b;
+    case language::Operation::Subtract:
+      return a - b;
+    case language::Operation::Multiply:
+      return a * b;
+    case language::Operation::Divide:
+      return a / b;
+    case language::Operation::Equal:
+      return language::toNumber(a == b);
+    case language::Operation::NotEqual:
+      return language::toNumber(a != b);
+    case language::Operation::Less:
+      return language::toNumber(a < b);
+    case language::Operation::LessEqual:
+      return language::toNumber(a <= b);
+    case language::Operation::Greater:
+      return language::toNumber(a > b);
+    case language::Operation::GreaterEqual:
+      return language::toNumber(a >= b);
+    default:
+      return a;
+  }
+}
 
 /// The index of the chosen weight. The probability of each is weight / sum; weights are in file order, `draw` is
 /// uniform. Espalier's own mode takes draws in (0, 1] and doubles. The reference takes draws in [0, 1) and keeps the
 /// sum and the remainder in 32-bit floats. When all weights are 0 the first is chosen.
 [[nodiscard]] std::size_t chooseByWeight(std::span<const double> weights, double draw, bool usesFloats);
 
-/// A production without contexts and blocks whose predecessor is one module: only a condition and a weight decide.
+/// A production without contexts whose predecessor is one module: only a condition and a weight decide.
 struct QuickRule {
   const language::Production* production = nullptr;  // in the Program
   bool hasCondition = false;
   bool hasWeight = false;
+  bool hasBefore = false;  // a block before the condition, which assigns no formal parameter
+  bool hasBehind = false;  // a block behind it
   QuickValue condition;
   QuickValue weight;             // 1 when the production has no probability
   std::uint32_t firstType = 0;   // ProductionPlan::types: the successor
@@ -58,23 +86,27 @@ struct TypePlan {
     Fixed,  // the same modules every time: a block of types, and the module's own parameters when it stands for itself
     Rules,  // QuickRules, the first whose condition holds
     Weights,  // QuickRules, one chosen by weight among those whose condition holds
+    Blocks,   // QuickRules, of which some have blocks: the first whose condition holds, or one chosen by weight
     General,  // everything else
   };
   std::array<core::ModuleTypeId, kInlineTypes> types{};  // Fixed: the block, when it is no longer than this
   std::uint32_t length = 0;                              // Fixed: modules of the block
   std::uint32_t firstType = 0;                           // Fixed: the block in ProductionPlan::types
-  std::uint32_t firstRule = 0;                           // Rules, Weights: in ProductionPlan::rules
+  std::uint32_t firstRule = 0;                           // Rules, Weights, Blocks: in ProductionPlan::rules
   std::uint32_t ruleCount = 0;
   std::uint16_t arity = 0;   // parameters of the module
   std::uint16_t copied = 0;  // Fixed: parameters copied, 0 or all
   Kind kind = Kind::General;
-  bool drawsRandom = false;  // Rules, Weights: an expression may draw
-  bool usesCode = false;     // Rules, Weights: an expression needs the Evaluator
+  bool drawsRandom = false;  // Rules, Weights, Blocks: code may draw
+  bool usesCode = false;     // the same: code needs the Evaluator
 };
 
 /// The ways in which one L-system rewrites its module types, by type. A table over the Program, which must outlive it.
 class ProductionPlan {
  public:
+  /// Places behind the formal parameters.
+  static constexpr std::size_t kFreePlaces = 4;
+
   ProductionPlan(const language::Program& program, const language::LSystem& system);
 
   [[nodiscard]] const TypePlan& operator[](core::ModuleTypeId type) const { return plans_[type]; }
@@ -83,6 +115,10 @@ class ProductionPlan {
   /// All successors, one after the other, and then kInlineTypes further entries, so that a read may pass the end.
   [[nodiscard]] const core::ModuleTypeId* types() const { return types_.data(); }
   [[nodiscard]] const QuickValue* values() const { return values_.data(); }
+  /// The place of the first constant among the numbers of QuickValues. Behind the formal parameters some places are
+  /// free, so that a copy of parameters may pass their end.
+  [[nodiscard]] std::size_t firstConstant() const { return firstConstant_; }
+  [[nodiscard]] const std::vector<double>& constants() const { return constants_; }
 
   /// The most modules and parameters that one module of a kind other than General becomes.
   [[nodiscard]] std::uint64_t largestLength() const { return largestLength_; }
@@ -90,6 +126,8 @@ class ProductionPlan {
 
  private:
   void planType(const language::Program& program, const language::LSystem& system, core::ModuleTypeId type);
+  [[nodiscard]] QuickValue makeValue(const language::Program& program, const language::Expression& expression);
+  [[nodiscard]] std::uint32_t addConstant(double value);
   void makeFixed(TypePlan& plan, std::uint32_t firstType, std::uint32_t length);
   std::uint32_t addRule(const language::Program& program, const language::Production& production, bool usesWeights);
 
@@ -97,6 +135,8 @@ class ProductionPlan {
   std::vector<QuickRule> rules_;
   std::vector<core::ModuleTypeId> types_;
   std::vector<QuickValue> values_;
+  std::size_t firstConstant_;
+  std::vector<double> constants_;
   std::uint64_t largestLength_ = 1;
   std::uint64_t largestParameterCount_ = 0;
 };

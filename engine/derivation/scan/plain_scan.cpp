@@ -15,7 +15,7 @@ constexpr std::uint64_t kMostOutput = 65536;
 // modules or parameters that a move may write beyond the end
 constexpr std::uint64_t kSlack = 64;
 // parameters that one move copies, even when fewer count
-constexpr std::uint64_t kCopiedAtOnce = 4;
+constexpr std::uint64_t kCopiedAtOnce = ProductionPlan::kFreePlaces;
 
 }  // namespace
 
@@ -27,10 +27,11 @@ PlainScan::PlainScan(ScanContext& context, ModuleRewriter& rewriter)
       values_(context.tables.front().plan.values()),
       successors_(context.tables.front().plan.types()),
       storesFloats_(context.rewriter.storesFloats()),
-      frame_(context.program.maximumSlots + kCopiedAtOnce, 0.0) {
+      frame_(context.tables.front().plan.firstConstant(), 0.0) {
   const std::vector<std::uint16_t>& arity = context.program.arity;
   hasParameters_ = std::any_of(arity.begin(), arity.end(), [](std::uint16_t count) { return count > 0; });
   const ProductionPlan& plan = context.tables.front().plan;
+  frame_.insert(frame_.end(), plan.constants().begin(), plan.constants().end());
   chunkModules_ = std::clamp<std::uint64_t>(kMostOutput / std::max(plan.largestLength(), plan.largestParameterCount()),
                                             1, kMostModules);
 }
@@ -69,6 +70,16 @@ void PlainScan::stopWriting(const Target& target) {
   ModuleString& output = context_->output;
   output.typeBuffer().resize(static_cast<std::size_t>(target.type - output.typeBuffer().data()));
   output.parameterBuffer().resize(static_cast<std::size_t>(target.parameter - output.parameterBuffer().data()));
+}
+
+[[gnu::always_inline]] inline void PlainScan::loadFrame(const ModuleString& old, std::uint64_t offset,
+                                                        std::uint64_t arity) {
+  const double* const parameters = old.parameters().data() + offset;
+  if (arity <= kCopiedAtOnce && offset + kCopiedAtOnce <= old.parameterCount()) [[likely]] {
+    std::memcpy(frame_.data(), parameters, kCopiedAtOnce * sizeof(double));
+  } else {
+    std::copy_n(parameters, arity, frame_.data());
+  }
 }
 
 [[gnu::always_inline]] inline double PlainScan::evaluate(const QuickValue& value) {
@@ -166,23 +177,22 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
       continue;
     }
 
-    if (plan.kind == TypePlan::Kind::General) {
+    if (plan.kind == TypePlan::Kind::Blocks || plan.kind == TypePlan::Kind::General) {
       stopWriting(target);
       ScanPlace next{module, offset};
-      rewriter_->rewriteNext(tables, draw, next);
+      if (plan.kind == TypePlan::Kind::Blocks) {
+        scanBlocks(end, draw, next);
+      } else {
+        scanGeneral(end, draw, next);
+      }
       module = next.module;
       offset = next.offset;
-      context_->rewriter.checkSize(context_->output.size(), context_->output.parameterCount());
       target = startWriting(end > module ? end - module : 0);
       continue;
     }
 
     // productions that only a condition and a weight decide between
-    if (plan.arity <= kCopiedAtOnce && offset + kCopiedAtOnce <= parameterCount) [[likely]] {
-      std::memcpy(frame_.data(), parameters + offset, kCopiedAtOnce * sizeof(double));
-    } else {
-      std::copy_n(parameters + offset, plan.arity, frame_.data());
-    }
+    loadFrame(old, offset, plan.arity);
     const QuickRule* const rule = chooseRule(plan, types[module], module, draw);
     if (rule != nullptr) {
       writeSuccessor(*rule, module, target);
@@ -198,6 +208,84 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
   place = {module, offset};
 }
 
+bool PlainScan::matches(const QuickRule& rule) {
+  if (rule.hasBefore) {
+    context_->evaluator.run(rule.production->preBlock, frame_.data());
+  }
+  return !rule.hasCondition || evaluate(rule.condition) != 0.0;
+}
+
+void PlainScan::scanGeneral(std::uint64_t end, double draw, ScanPlace& place) {
+  const core::ModuleTypeId* const types = context_->old->types().data();
+  const SystemTables& tables = context_->tables.front();
+  const bool drawsEachPosition = context_->drawsEachPosition(*tables.system);
+  while (true) {
+    rewriter_->rewriteNext(tables, draw, place);
+    context_->rewriter.checkSize(context_->output.size(), context_->output.parameterCount());
+    if (place.module >= end || plans_[types[place.module]].kind != TypePlan::Kind::General) {
+      return;
+    }
+    draw = drawsEachPosition ? context_->random.selection(context_->step, place.module) : 0.0;
+  }
+}
+
+void PlainScan::scanBlocks(std::uint64_t end, double draw, ScanPlace& place) {
+  const ModuleString& output = context_->output;
+  const core::ModuleTypeId* const types = context_->old->types().data();
+  const bool drawsEachPosition = context_->drawsEachPosition(*context_->tables.front().system);
+  const ProductionPlan& plan = context_->tables.front().plan;
+  const std::uint64_t count = end - place.module;
+  const bool isNearLimits = !context_->isWithinLimits(output.size() + count * plan.largestLength(),
+                                                      output.parameterCount() + count * plan.largestParameterCount());
+  Target target = startWriting(count);
+  while (true) {
+    const TypePlan& typePlan = plans_[types[place.module]];
+    rewriteWithBlocks(typePlan, place, draw, target);
+    // what blocks do can be seen, so none runs behind a module that exceeds a limit
+    if (isNearLimits) {
+      context_->rewriter.checkSize(static_cast<std::uint64_t>(target.type - output.types().data()),
+                                   static_cast<std::uint64_t>(target.parameter - output.parameters().data()));
+    }
+    place.module += 1;
+    place.offset += typePlan.arity;
+    if (place.module == end || plans_[types[place.module]].kind != TypePlan::Kind::Blocks) {
+      break;
+    }
+    draw = drawsEachPosition ? context_->random.selection(context_->step, place.module) : 0.0;
+  }
+  stopWriting(target);
+}
+
+void PlainScan::rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, double draw, Target& target) {
+  const ModuleString& old = *context_->old;
+  const core::ModuleTypeId type = old.types()[place.module];
+  const double* const parameters = old.parameters().data() + place.offset;
+  loadFrame(old, place.offset, plan.arity);
+  context_->evaluator.setModule(place.module, type);
+  if (plan.drawsRandom) {
+    context_->random.key(core::DrawDomain::Production, context_->step, place.module);
+  }
+  const QuickRule* const first = rules_ + plan.firstRule;
+  const QuickRule* const last = first + plan.ruleCount;
+  const QuickRule* rule = nullptr;
+  if (context_->tables.front().system->isStochastic) {
+    rule = chooseByWeights(first, last, place.module, draw);
+  } else {
+    for (const QuickRule* candidate = first; candidate != last && rule == nullptr; ++candidate) {
+      rule = matches(*candidate) ? candidate : nullptr;
+    }
+  }
+  if (rule == nullptr) {
+    *target.type++ = type;
+    target.parameter = std::copy_n(parameters, plan.arity, target.parameter);
+  } else {
+    if (rule->hasBehind) {
+      context_->evaluator.run(rule->production->postBlock, frame_.data());
+    }
+    writeSuccessor(*rule, place.module, target);
+  }
+}
+
 const QuickRule* PlainScan::chooseByWeights(const QuickRule* first, const QuickRule* last, std::uint64_t module,
                                             double draw) {
   // the weights of the rules whose condition holds
@@ -205,7 +293,7 @@ const QuickRule* PlainScan::chooseByWeights(const QuickRule* first, const QuickR
   matching_.clear();
   double sum = 0.0;
   for (const QuickRule* rule = first; rule != last; ++rule) {
-    if (!rule->hasCondition || evaluate(rule->condition) != 0.0) {
+    if (matches(*rule)) {
       const double weight = evaluate(rule->weight);
       weights_.push_back(weight);
       matching_.push_back(rule);

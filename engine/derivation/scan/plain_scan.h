@@ -33,11 +33,20 @@ class PlainScan {
   void scanChunk(std::uint64_t end, ScanPlace& place);
   [[nodiscard]] Target startWriting(std::uint64_t moduleCount);
   void stopWriting(const Target& target);
+  void loadFrame(const ModuleString& old, std::uint64_t offset, std::uint64_t arity);
   [[nodiscard]] double evaluate(const QuickValue& value);
   [[nodiscard]] const QuickRule* chooseRule(const TypePlan& plan, core::ModuleTypeId type, std::uint64_t module,
                                             double draw);
   [[nodiscard]] const QuickRule* chooseByWeights(const QuickRule* first, const QuickRule* last, std::uint64_t module,
                                                  double draw);
+  /// Runs the block before the rule's condition, and asks the condition.
+  [[nodiscard]] bool matches(const QuickRule& rule);
+  /// Rewrites the modules from `place` on whose productions have blocks, up to the first of another kind, and moves
+  /// `place` behind them. `draw` is that of the first module.
+  void scanBlocks(std::uint64_t end, double draw, ScanPlace& place);
+  /// The same for those that need the ModuleRewriter.
+  void scanGeneral(std::uint64_t end, double draw, ScanPlace& place);
+  void rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, double draw, Target& target);
   void writeSuccessor(const QuickRule& rule, std::uint64_t module, Target& target);
   [[noreturn]] void failNonFinite(const QuickRule& rule, std::uint32_t valueIndex, double value, std::uint64_t module);
 
@@ -52,7 +61,7 @@ class PlainScan {
   bool storesFloats_;                       // Rewriter::storesFloats
   bool hasParameters_ = false;              // some module type of the Program has parameters
   std::uint64_t chunkModules_ = 1;          // old modules between two looks at the limits and at `cancelled`
-  std::vector<double> frame_;               // formal parameters of the module (Program::maximumSlots)
+  std::vector<double> frame_;               // formal parameters of the module, free places, the constants of the plan
   std::vector<double> weights_;             // of the rules that match
   std::vector<const QuickRule*> matching_;  // the same rules
 };

@@ -34,10 +34,18 @@ TEST(ProductionPlan, ParametersAndConditionsMakeRules) {
   EXPECT_EQ(kindOf("Seed: 1\n", "A --> x : 1\nA --> y : 2\n", "A", 0), TypePlan::Kind::Weights);
 }
 
+TEST(ProductionPlan, RulesMayHaveBlocks) {
+  EXPECT_EQ(kindOf("", "B(x) : {n=x;} * --> A\n", "B", 1), TypePlan::Kind::Blocks);
+  EXPECT_EQ(kindOf("", "B(x) : 1 {x=1;} --> A\n", "B", 1), TypePlan::Kind::Blocks);
+  EXPECT_EQ(kindOf("Start: {n=0;}\n", "A : 1 {n=n+1;} --> A\n", "A", 0), TypePlan::Kind::Blocks);
+  EXPECT_EQ(kindOf("Seed: 1\n", "A : {n=1;} n>0 --> x : 1\nA --> y : 2\n", "A", 0), TypePlan::Kind::Blocks);
+}
+
 TEST(ProductionPlan, EverythingElseIsGeneral) {
   EXPECT_EQ(kindOf("", "A < B(x) --> A\n", "B", 1), TypePlan::Kind::General);
   EXPECT_EQ(kindOf("", "AB(x) --> A\n", "A", 0), TypePlan::Kind::General);
-  EXPECT_EQ(kindOf("", "B(x) : {n=x;} * --> A\n", "B", 1), TypePlan::Kind::General);
+  // the candidates of a module share its formal parameters
+  EXPECT_EQ(kindOf("", "B(x) : {x=1;} x>0 --> A\n", "B", 1), TypePlan::Kind::General);
   EXPECT_EQ(kindOf("", "A --> B(1)\ndecomposition\nB(x) --> A\n", "A", 0), TypePlan::Kind::General);
   EXPECT_EQ(kindOf("", "A --> x\ndecomposition\nB(x) --> A\n", "B", 1), TypePlan::Kind::General);
   EXPECT_EQ(kindOf("", "A --> x\n", "%", 0), TypePlan::Kind::General);

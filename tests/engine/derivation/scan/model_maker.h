@@ -195,11 +195,33 @@ class ModelMaker {
       default:
         text += local + "=" + expression(names) + "; " + local + "=" + local + "/2+1;";
     }
-    if (hasVariables_ && chance(6)) {
-      text += chance(70) ? " ga=ga+0.25;" : " gt[1]=gt[1]*0.5+1;";
+    if (hasVariables_ && chance(8)) {
+      text += sharedAssignment(names);
+    }
+    // formal parameters, or local variables
+    if (!names.empty() && chance(5)) {
+      const std::string x = oneOf(names);
+      text += " " + x + "=" + x + "*0.5+1;";
     }
     names += local;
     return text + "}";
+  }
+
+  /// An assignment to what all modules share: counters, and tables by what a module brings.
+  std::string sharedAssignment(const std::string& names) {
+    const std::string x = names.empty() ? "Q" : oneOf(names);
+    switch (number(0, 5)) {
+      case 0:
+        return " gt[1]=gt[1]*0.5+1;";
+      case 1:
+        return " gt[" + x + "]=gt[" + x + "]*0.5+1;";
+      case 2:
+        return " gm[" + x + "/2][" + x + "-floor(" + x + ")]=gm[1][" + x + "]*0.5+ga;";
+      case 3:
+        return " if (ga>" + x + ") {gb=gb*0.5+0.5;}";
+      default:
+        return " ga=ga+0.25;";
+    }
   }
 
   /// A parameter of a successor or of an assignment, which may draw.

@@ -95,7 +95,9 @@ Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModu
         return result;
       }
       // what blocks leave belongs to the state
-      if (model.state().statics != plain.statics() || model.state().instances.front().variables != plain.variables()) {
+      const derivation::InstanceState& instance = model.state().instances.front();
+      if (model.state().statics != plain.statics() || instance.variables != plain.variables() ||
+          instance.elements != plain.elements()) {
         ADD_FAILURE() << "step " << step << " leaves other variables";
         return result;
       }
@@ -140,6 +142,7 @@ std::size_t compareWithRecordedSteps(unsigned first, unsigned count,
       general.derivation().deriveRecorded(general.state(), record);
       changedCount += fast.text() == before ? 0U : 1U;
       EXPECT_EQ(fast.text(), general.text());
+      EXPECT_EQ(fast.warnings(), general.warnings());
       const auto bitsOf = [](const std::vector<double>& values) {
         return std::string_view(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
       };
@@ -244,6 +247,38 @@ TEST(Scan, DecompositionInBatchesWarnsOnceWhereTheDepthEnds) {
   }
   EXPECT_EQ(fast.warnings().size(), 1U);
   EXPECT_EQ(fast.warnings(), general.warnings());
+}
+
+TEST(Scan, BlocksThatDrawAndPrintRunInTheOrderOfTheString) {
+  const std::string text = modelText("Seed: 3\nStart: {n=0;}\ndefine: {array a[4];}\n", "A(1)B(2)A(3)CB(4)A(5)",
+                                     "A(x) : {y=ran(1);} y<0.8 {srand(x+Q); n=n+ran(1); printf(\"%g \",n);} --> A(n)C\n"
+                                     "A(x) : x>0 {x=x/2; a[n]=a[n-1]+x;} --> A(x) : a[1]+1\n"
+                                     "B(x) : 1 {n=n*x; if (n>9) {n=1; stop(n-1);}} --> B(ran(x))B(a[x])\n"
+                                     "C : {printf(\"%g,\",ran(1)/n);} n>2 --> C\nC : n<1 --> *\n");
+  for (const core::Compatibility mode : {core::Compatibility::Espalier, core::Compatibility::Cpfg}) {
+    DerivedModel fast(text, {}, mode);
+    DerivedModel general(text, {}, mode);
+    for (int step = 0; step < 8; ++step) {
+      fast.steps(1);
+      derivation::ModuleRecord record;
+      general.derivation().deriveRecorded(general.state(), record);
+      ASSERT_EQ(fast.text(), general.text());
+    }
+    EXPECT_GT(fast.printed().size(), 100U);
+    EXPECT_EQ(fast.printed(), general.printed());
+    EXPECT_EQ(fast.warnings(), general.warnings());
+    EXPECT_EQ(fast.state().instances.front().elements, general.state().instances.front().elements);
+    EXPECT_EQ(fast.state().isStopped, general.state().isStopped);
+  }
+}
+
+TEST(Scan, NoBlockRunsBehindAModuleThatExceedsALimit) {
+  std::string axiom(100, 'A');
+  derivation::DerivationOptions options;
+  options.limits.maximumModules = 150;
+  DerivedModel model(modelText("", axiom, "A : 1 {printf(\"x\");} --> AAA\n"), options);
+  EXPECT_EQ(model.failingStep().code, core::SimulationErrorCode::LimitExceeded);
+  EXPECT_EQ(model.printed(), std::string(51, 'x'));
 }
 
 TEST(LongScan, AgreesWithTheGeneralWayInTheCompatibleModes) {
