@@ -147,8 +147,15 @@ void appendText(std::string& text, const language::Program& program, const Modul
       parameterCount += program.arity[type];
     }
     piece.resize(spelling.mostBytes(types.size(), parameterCount));
-    char* const first = piece.data();
-    text.append(first, spelling.write(first, types, string.parameters().subspan(offset, parameterCount), numbers));
+    const char* const first = piece.data();
+    const char* const end =
+        spelling.write(piece.data(), types, string.parameters().subspan(offset, parameterCount), numbers);
+    if (begin == 0 && string.size() > kPieceModules) {
+      // as if the other pieces were like this one: a text that grows is copied again and again
+      const auto bytes = static_cast<std::size_t>(end - first);
+      text.reserve(text.size() + bytes / 4 * 5 * (string.size() / kPieceModules + 1));
+    }
+    text.append(first, end);
     offset += parameterCount;
   }
 }
