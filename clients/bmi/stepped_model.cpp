@@ -81,6 +81,9 @@ turtle::World worldOf(const std::string& file, const std::string& text) {
     if (!table) {
       throw BmiError(file + ": there is no table of weather '" + record.weather + "': check 'weather'.");
     }
+    if (table->empty()) {  // which would mean no weather
+      throw BmiError(file + ": the table of weather '" + record.weather + "' is empty: check 'weather'.");
+    }
     record.weather = std::move(*table);
   }
   auto world = server::toWorld(record);

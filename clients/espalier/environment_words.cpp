@@ -1,5 +1,6 @@
 #include "clients/espalier/environment_words.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace espalier::command {
@@ -17,6 +18,13 @@ std::string listOf(const json& variables) {
     text += (text.empty() ? "" : ", ") + variable.value("name", std::string()) + (unit == "1" ? "" : " (" + unit + ")");
   }
   return text;
+}
+
+/// Whether a unit is one of the world's lengths, such as m^3/day or 1/m; W/m^2 and mol are not.
+bool isOfLength(const json& variable) {
+  const std::string unit = variable.value("unit", "1");
+  return unit == "m" || unit.starts_with("m^") || unit.starts_with("m/") || unit == "1/m" || unit.starts_with("1/m^") ||
+         unit == "1 or m";
 }
 
 std::string joined(const json& texts) {
@@ -64,6 +72,9 @@ std::string environmentInWords(const std::string& descriptionJson) {
   const json outputs = all.value("outputs", json::array());
   text += "\nA module sends   " + (inputs.empty() ? "nothing" : listOf(inputs)) + "\n";
   text += "and gets back    " + (outputs.empty() ? "nothing" : listOf(outputs)) + "\n";
+  if (std::ranges::any_of(inputs, isOfLength) || std::ranges::any_of(outputs, isOfLength)) {
+    text += "m stands for the world's lengthUnit, which is m unless a world says another.\n";
+  }
   text += "It reads         " + joined(all.value("needs", json::array())) + "\n";
   text += all.value("stateful", false) ? "It has a state, which snapshots hold.\n" : "It has no state.\n";
   const json configuration = all.value("configuration", json::object());

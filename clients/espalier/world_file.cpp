@@ -26,6 +26,10 @@ bool embedWeather(protocol::WorldRecord& record, const std::string& file, core::
     printError(file + ": there is no table of weather '" + table + "': check 'weather'");
     return false;
   }
+  if (text->empty()) {  // which would mean no weather
+    printError(file + ": the table of weather '" + table + "' is empty: check 'weather'");
+    return false;
+  }
   record.weather = std::move(*text);
   return true;
 }

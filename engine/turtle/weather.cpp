@@ -102,7 +102,12 @@ tl::expected<std::size_t, std::string> readQuantity(std::string_view cell) {
 tl::expected<double, std::string> readNumber(std::string_view cell, std::string_view name) {
   const auto number = core::parseNumber(cell);
   if (!number || !std::isfinite(*number)) {
-    return tl::unexpected("expected a number for '" + std::string(name) + "', found '" + std::string(cell) + "'");
+    const std::string problem = "expected a number for '" + std::string(name) + "', found '" + std::string(cell) + "'";
+    const bool isGap = cell.empty() || cell == "NA" || cell == "nan" || cell == "NaN";
+    return tl::unexpected(problem +
+                          (isGap ? "; fill the gap, or leave the row out: its interval is then part of the one before"
+                           : cell.find(',') != std::string_view::npos ? "; write a decimal point"
+                                                                      : ""));
   }
   return *number;
 }
@@ -392,8 +397,11 @@ std::string missingWeather(const World& world, std::string_view quantity, double
   if (!world.weather->has(quantity)) {
     return "needs the weather's '" + name + "', and the table has no such column. Add it.";
   }
-  return "needs the weather from day " + textOf(from) + " to day " + textOf(to) + ", and the table ends on day " +
-         textOf(world.weather->end()) + " or begins after it. Add rows to the table, or make fewer steps.";
+  const double end = world.weather->end();
+  return "needs the weather from day " + textOf(from) + " to day " + textOf(to) +
+         ", and the table covers the time from day " + textOf(world.weather->begin()) +
+         (std::isfinite(end) ? " to day " + textOf(end) : " on") + " after the start. Add rows to the table, " +
+         (from < world.weather->begin() ? "or let the world start later." : "or make fewer steps.");
 }
 
 }  // namespace espalier::turtle

@@ -22,10 +22,12 @@ struct WeatherQuantity {
 };
 
 inline constexpr double kAbsoluteZero = -273.15;
+/// W/m^2: the sun gives 1361 above the air, and bright clouds beside it add less than half; more is another unit.
+inline constexpr double kMostRadiation = 2000.0;
 inline constexpr std::array kWeatherQuantities{
-    WeatherQuantity{"global", "W/m^2", 0.0},   // sun and sky on a horizontal plane
-    WeatherQuantity{"direct", "W/m^2", 0.0},   // the sun on a plane that faces it
-    WeatherQuantity{"diffuse", "W/m^2", 0.0},  // the sky on a horizontal plane
+    WeatherQuantity{"global", "W/m^2", 0.0, kMostRadiation},   // sun and sky on a horizontal plane
+    WeatherQuantity{"direct", "W/m^2", 0.0, kMostRadiation},   // the sun on a plane that faces it
+    WeatherQuantity{"diffuse", "W/m^2", 0.0, kMostRadiation},  // the sky on a horizontal plane
     WeatherQuantity{"temperature", "degC", kAbsoluteZero, 100.0},
     WeatherQuantity{"humidity", "%", 0.0, 110.0},  // relative; sensors in fog show a little more than 100
     WeatherQuantity{"wind", "m/s", 0.0},

@@ -174,7 +174,12 @@ std::optional<std::string> problemOfWorld(const World& world) {
     return "'up' has no direction; give a vector such as [0, 1, 0]";
   }
   if (!isFinite(world.north) || !(core::length(core::cross(core::normalised(world.up), world.north)) > 0.0)) {
-    return "'north' is along 'up' or has no direction; give a horizontal vector such as [0, 0, -1]";
+    // a world whose z is up has a north along y
+    const bool isAlongDefault = std::abs(world.up.x) <= 1e-9 && std::abs(world.up.y) <= 1e-9;
+    return std::string(
+               "'north' is along 'up' or has no direction (left out it is [0, 0, -1]); give a horizontal vector "
+               "such as ") +
+           (isAlongDefault ? "[0, 1, 0]" : "[0, 0, -1]");
   }
   if (!(world.stepDurationDays > 0.0)) {
     return "'stepDuration' must be greater than 0; give a number of days, or a text such as \"1 h\"";

@@ -17,6 +17,7 @@
 #include "engine/core/elementary.h"
 #include "engine/core/work_meter.h"
 #include "engine/turtle/field.h"
+#include "engine/turtle/turtle_motion.h"
 #include "engine/turtle/weather.h"
 #include "environment/base/length_unit.h"
 #include "environment/base/number_text.h"
@@ -263,7 +264,10 @@ class Xylem final : public turtle::EnvironmentProcess {
           return failure("got the " + std::string(name) + " " + numberText(sent(k)) + " in parameter " +
                          std::to_string(k + 1) + " of module " + std::to_string(queries.module[query]) + " of plant " +
                          std::to_string(queries.plant[query]) + ". Send a number " +
-                         (k == 11 ? "above 0." : "of at least 0."));
+                         (k == 11  ? "above 0."
+                          : k == 4 ? "of at least 0, in each step again: the answer to a leaf takes the place of what "
+                                     "it sent."
+                                   : "of at least 0."));
         }
       }
       if (hasStomata()) {
@@ -406,10 +410,12 @@ class Xylem final : public turtle::EnvironmentProcess {
       for (double part = 0.0; part < parts; part += 1.0) {
         const Vec3 middle = start + way * ((part + 0.5) / parts);
         node.radialConductivity = heightOf(middle) <= keys_.groundHeight ? radial : 0.0;
-        if (node.radialConductivity > 0.0 && !(node.radius > 0.0)) {
+        // a width of 0 is drawn as the smallest one
+        if (node.radialConductivity > 0.0 && !(node.radius > 0.5 * turtle::kSmallestWidth)) {
           return tl::unexpected(failure("needs the radius of segments, and one of plant " + std::to_string(from.plant) +
                                         " in the soil, drawn by module " + std::to_string(from.module) +
-                                        ", has the width 0. Give the key 'radius', or draw roots with a width."));
+                                        ", has no width. Give the key 'radius', draw roots with a width, or give a "
+                                        "file of roots their diameters."));
         }
         node.soilHead = profileAt(heightOf(middle));
         node.demand = part + 1.0 == parts ? traits[i].demand : 0.0;

@@ -75,6 +75,9 @@ std::optional<std::string> embedWeather(protocol::WorldRecord& world, const Read
   if (!table) {
     return "there is no table of weather '" + world.weather + "': check 'weather'";
   }
+  if (table->empty()) {  // which would mean no weather
+    return "the table of weather '" + world.weather + "' is empty: check 'weather'";
+  }
   world.weather = std::move(*table);
   return std::nullopt;
 }

@@ -357,6 +357,10 @@ TEST_F(Cli, DescribesAnEnvironmentInWords) {
   EXPECT_TRUE(described.output.starts_with("shadow: Light by shadow propagation")) << described.output;
   EXPECT_TRUE(contains(described.output, "A module sends   castsShadow\n"));
   EXPECT_TRUE(contains(described.output, "and gets back    light, gradientX (1/m)"));
+  constexpr const char* kWorld = "m stands for the world's lengthUnit";
+  EXPECT_TRUE(contains(described.output, kWorld));
+  EXPECT_TRUE(contains(run("environment soil-water --describe").output, kWorld));
+  EXPECT_FALSE(contains(run("environment light --describe").output, kWorld)) << "W/m^2 is the same in all worlds";
   EXPECT_TRUE(contains(described.output, "voxels along each side of the grid. (default 201)")) << described.output;
   EXPECT_FALSE(contains(described.output, "{\"name\"")) << "words, not JSON";
   EXPECT_TRUE(run("environment shadow --describe --json").output.starts_with("{\"name\":\"shadow\""));

@@ -381,6 +381,12 @@ TEST(RootSystem, WrongFilesAreRefusedInOneSentence) {
       readRootTable("x\ty\n1\t2\n").error(),
       "line 1: the header has no column 'node'. A table of roots has the columns node, parent, x, y, z, separated "
       "by tabs");
+  EXPECT_EQ(readRootTable("node\tparent\tx\tx\ty\tz\n0\t-1\t0\t0\t0\t0\n").error(),
+            "line 1: the header has the column 'x' twice. Give each column a name of its own");
+  for (const std::string order : {"1.5", "0", "1001"}) {
+    EXPECT_EQ(readRootTable("node\tparent\tx\ty\tz\torder\n0\t-1\t0\t0\t0\t" + order + "\n").error(),
+              "line 2: an order is no whole number from 1 to 1000. Correct the number");
+  }
   EXPECT_EQ(readRootTable("node\tparent\tx\ty\tz\n").error(),
             "the file has no nodes. Give a table with a header and a row for each node");
   EXPECT_EQ(readRsml("<rsml><scene>").error(),

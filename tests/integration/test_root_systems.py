@@ -60,6 +60,32 @@ class RootSystems(unittest.TestCase):
         self.assertEqual((found["leaf_area"], found["leaf_inclination"], found["crown_top"]), ("cm^2", "degree", "cm"))
         self.assertEqual(units(model("lilac"), "--steps", "3")["length"], "m")
 
+    def test_traits_of_a_file_are_those_in_the_world(self) -> None:
+        rsml = self.folder / "upright.rsml"
+        rsml.write_text("""<rsml><metadata><unit>cm</unit></metadata><scene><plant ID="1"><root ID="1"><geometry><polyline>
+<point x="0" y="0" z="0"/><point x="3" y="0" z="-20"/></polyline></geometry></root></plant></scene></rsml>""", encoding="utf-8")
+        world = self.folder / "world.json"
+        world.write_text('{"lengthUnit": "mm", "up": [0, 0, 1], "north": [0, 1, 0]}', encoding="utf-8")
+        for arguments, height, width in (((), 0, 20), (("--up", "z"), 20, 3), (("--world", str(world)), 200, 30),
+                                         (("--world", str(world), "--up", "x"), 30, 200)):
+            found = self.traits(str(rsml), *arguments)
+            self.assertEqual((found["height", ""], found["width", ""]), (height, width), msg=str(arguments))
+        self.assertIn("width\t\t30\tmm", espalier("traits", str(rsml), "--world", str(world)).stdout)
+        self.assertIn("height\t\t", espalier("traits", str(self.table), "--world", str(world)).stdout)
+        rsml.write_text(rsml.read_text(encoding="utf-8").replace("cm", "pixel"), encoding="utf-8")
+        self.assertIn("its lengths in 'pixel' cannot be converted to those of the world in 'mm'",
+                      espalier("traits", str(rsml), "--world", str(world), status=1).stderr)
+
+    def test_roots_without_a_diameter_do_not_take_up_water_by_hairlines(self) -> None:
+        self.table.write_text("node\tparent\tx\ty\tz\n0\t-1\t0\t0\t0\n1\t0\t0\t-10\t0\n", encoding="utf-8")
+        xylem = self.folder / "xylem.json"
+        xylem.write_text('{"type": "xylem", "collar": "head"}', encoding="utf-8")
+        run = espalier("derive", str(self.table), "--steps", "2", "--environment", str(xylem), status=1)
+        self.assertIn("has no width. Give the key 'radius', draw roots with a width, or give a file of roots their diameters",
+                      " ".join(run.stderr.split()))
+        xylem.write_text('{"type": "xylem", "collar": "head", "radius": 0.0005}', encoding="utf-8")
+        espalier("derive", str(self.table), "--steps", "2", "--environment", str(xylem))
+
     def test_a_file_that_is_read_and_written_again_is_identical(self) -> None:
         files = [self.folder / name for name in ("one.rsml", "two.rsml")]
         espalier("run", str(self.table), "-o", str(files[0]))

@@ -208,6 +208,9 @@ class Worlds(unittest.TestCase):
             failed = espalier("derive", self.model, "--world", file, status=1)
             self.assertIn(sentence, failed.stderr)
             self.assertIn("world.json", failed.stderr)
+        self.write("empty.csv", "")
+        file = self.write("world.json", json.dumps({"weather": "empty.csv"}))
+        self.assertIn("empty.csv' is empty: check 'weather'", espalier("derive", self.model, "--world", file, status=1).stderr)
         self.write("weather.csv", "time,direct\n1,5\n0,5\n")
         file = self.write("world.json", json.dumps({"weather": "weather.csv"}))
         self.assertIn("the weather's table, line 3: the time '0' is not after the one before",

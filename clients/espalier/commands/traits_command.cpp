@@ -17,6 +17,7 @@
 #include "clients/espalier/roots/root_system.h"
 #include "clients/espalier/roots/root_traits.h"
 #include "clients/espalier/roots/shoot_traits.h"
+#include "clients/espalier/world_file.h"
 #include "server/remote/disk_files.h"
 #include "server/remote/models/folder_settings.h"
 
@@ -111,7 +112,17 @@ int run(const TraitsOptions& options) {
     if (!read->remark.empty()) {
       printNote("warning: '" + options.model.model + "': " + read->remark);
     }
-    table = roots::traitTable(roots::traitsOf(*read, options.upAxis()), roots::unitOfLengths(read->unit));
+    const bool isInWorld = !options.model.world.empty();
+    const std::optional<turtle::World> world = loadWorld(options.model, {}, files);
+    if (!world) {
+      return kFailure;
+    }
+    if (const auto problem = isInWorld ? roots::convertTo(*read, world->lengthUnit) : std::nullopt) {
+      printError(options.model.model + ": " + *problem);
+      return kFailure;
+    }
+    const std::string unit = isInWorld && read->unit.empty() ? world->lengthUnit : read->unit;
+    table = roots::traitTable(roots::traitsOf(*read, options.upAxis(world->up)), roots::unitOfLengths(unit));
   } else {
     table = tableOfModel(options, files);
   }
@@ -133,7 +144,8 @@ void addTraits(CLI::App& program, int& status) {
       program.add_subcommand("traits", "Print lengths, topology, leaves and crown of a plant or a root system");
   command->footer(
       "Prints a table of traits by order: lengths, numbers of axes, diameters, height, width, and Fitter's topology.\n"
-      "The unit of each is in the last column: that of the world, or of the file (\"length\" when it has none).\n"
+      "The unit of each is in the last column: that of the world (of a root system when --world gives one), or of the "
+      "file\n(\"length\" when it has none).\n"
       "Of a model with leaves also their number, area, index and angles, and the extent of the crown.\n"
       "MODEL is a model, or a root system: a .rsml file, or a .tsv table with the columns node, parent, x, y, z.\n"
       "Examples:\n"

@@ -137,7 +137,10 @@ tl::expected<RootSystem, std::string> readRootTable(std::string_view text) {
     const auto fields = fieldsAt(line);
     if (columns.empty()) {
       for (std::size_t i = 0; i < fields.size(); ++i) {
-        columns.emplace(fields[i], i);
+        if (!columns.emplace(fields[i], i).second) {
+          return tl::unexpected(placeOf(number) + "the header has the column '" + std::string(fields[i].substr(0, 40)) +
+                                "' twice. Give each column a name of its own");
+        }
       }
       for (const char* name : {"node", "parent", "x", "y", "z"}) {
         if (!columns.contains(name)) {
@@ -170,10 +173,11 @@ tl::expected<RootSystem, std::string> readRootTable(std::string_view text) {
       }
       *target = *value;
     }
-    if (row.node.radius < 0.0 || !(order >= 1.0 && order <= 1000.0)) {
-      return tl::unexpected(placeOf(number) +
-                            (row.node.radius < 0.0 ? "a radius is below 0" : "an order is not from 1 to 1000") +
-                            ". Correct the number");
+    if (row.node.radius < 0.0 || !(order >= 1.0 && order <= 1000.0 && order == std::floor(order))) {
+      return tl::unexpected(
+          placeOf(number) +
+          (row.node.radius < 0.0 ? "a radius is below 0" : "an order is no whole number from 1 to 1000") +
+          ". Correct the number");
     }
     const core::Vec3& place = row.node.place;
     if (std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}) > kLargestCoordinate) {

@@ -97,8 +97,8 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     if (const std::string unit = configuration_.text("fieldUnit"); !unit.empty() && unit != "1/" + lengthUnit_) {
       return turtle::EnvironmentError{"Environment 'light-voxels' begins with leaf area densities in '" + unit +
                                           "', and the world's unit of length is '" + lengthUnit_ +
-                                          "'. Give the densities in 1/" + lengthUnit_ +
-                                          ", and the places of their voxels in " + lengthUnit_ + ".",
+                                          "'. Give the densities in 1/" + lengthUnit_ + R"(, with "fieldUnit": "1/)" +
+                                          lengthUnit_ + R"(", and the places of their voxels in )" + lengthUnit_ + ".",
                                       false};
     }
     up_ = core::normalised(context.world.up);

@@ -111,10 +111,10 @@ TEST(WorldVariables, WeatherThatIsNotThereFailsTheStep) {
   expectSuccess(brief.simulation.step());
   expectSuccess(brief.simulation.step());
   const std::uint64_t hash = brief.simulation.stateHash();
-  EXPECT_EQ(
-      brief.simulation.step()->message,
-      "step 3: the model reads 'world.temperature' and needs the weather from day 1 to day 1.5, and the table ends "
-      "on day 1 or begins after it. Add rows to the table, or make fewer steps. The simulation stays at step 2.");
+  EXPECT_EQ(brief.simulation.step()->message,
+            "step 3: the model reads 'world.temperature' and needs the weather from day 1 to day 1.5, and the table "
+            "covers the time from day 0 to day 1 after the start. Add rows to the table, or make fewer steps. The "
+            "simulation stays at step 2.");
   EXPECT_EQ(brief.simulation.stateHash(), hash);
 }
 

@@ -135,9 +135,20 @@ TEST(Weather, WrongTextsSayLineAndRemedy) {
   EXPECT_EQ(error("time,wind\n0,1\n0.0000001,2\n"),
             "line 3: the time '0.0000001' is not after the one before; sort the rows");
   EXPECT_EQ(error("time,temperature\n0,warm\n"), "line 2: expected a number for 'temperature', found 'warm'");
+  EXPECT_EQ(error("time;temperature\n0;1,5\n"),
+            "line 2: expected a number for 'temperature', found '1,5'; write a decimal point");
+  for (const std::string gap : {"", "NA", "nan", "NaN"}) {
+    EXPECT_EQ(error("time,temperature\n0," + gap + "\n"),
+              "line 2: expected a number for 'temperature', found '" + gap +
+                  "'; fill the gap, or leave the row out: its interval is then part of the one before");
+  }
   EXPECT_EQ(error("time,temperature\n\n0,1,2\n"), "line 3: expected 2 cells, found 3");
   EXPECT_EQ(error("time,temperature\n0,293.15\n"),
             "line 2: 'temperature' is 293.15 and must be at most 100; the unit is degC");
+  for (const std::string radiation : {"global", "direct", "diffuse"}) {  // kJ m^-2 h^-1
+    EXPECT_EQ(error("time," + radiation + "\n0,2900\n"),
+              "line 2: '" + radiation + "' is 2900 and must be at most 2000; the unit is W/m^2");
+  }
   EXPECT_EQ(error("time,humidity\n0,1000\n"), "line 2: 'humidity' is 1000 and must be at most 110; the unit is %");
   EXPECT_EQ(error("time,rain (inch)\n0,1\n"), "line 1: 'rain' has the unit inch; convert it to mm/h");
   EXPECT_EQ(error("time,temp\n0,1\n"),
@@ -163,9 +174,18 @@ TEST(Weather, AMissingValueSaysWhichAndWhen) {
   world.weather = std::make_shared<const Weather>(weatherOf("time,wind\n0,1\n1,1\n"));
   EXPECT_EQ(missingWeather(world, "rain", 0, 1),
             "needs the weather's 'rain', and the table has no such column. Add it.");
-  EXPECT_EQ(missingWeather(world, "wind", 2, 3),
-            "needs the weather from day 2 to day 3, and the table ends on day 2 or begins after it. Add rows to the "
-            "table, or make fewer steps.");
+  EXPECT_EQ(
+      missingWeather(world, "wind", 2, 3),
+      "needs the weather from day 2 to day 3, and the table covers the time from day 0 to day 2 after the start. Add "
+      "rows to the table, or make fewer steps.");
+  world.weather = std::make_shared<const Weather>(weatherOf("time,wind\n0.5,1\n1,1\n"));
+  EXPECT_EQ(missingWeather(world, "wind", 0, 1),
+            "needs the weather from day 0 to day 1, and the table covers the time from day 0.5 to day 1.5 after the "
+            "start. Add rows to the table, or let the world start later.");
+  world.weather = std::make_shared<const Weather>(weatherOf("time,wind\n0.5,1\n"));
+  EXPECT_EQ(missingWeather(world, "wind", 0, 1),
+            "needs the weather from day 0 to day 1, and the table covers the time from day 0.5 on after the start. Add "
+            "rows to the table, or let the world start later.");
 }
 
 }  // namespace

@@ -73,7 +73,13 @@ TEST(World, WhatCannotBeHasASentence) {
   EXPECT_EQ(problem([](World& w) {
               w.north = {0, 2, 0};
             }),
-            "'north' is along 'up' or has no direction; give a horizontal vector such as [0, 0, -1]");
+            "'north' is along 'up' or has no direction (left out it is [0, 0, -1]); give a horizontal vector such as "
+            "[0, 0, -1]");
+  EXPECT_EQ(problem([](World& w) {
+              w.up = {0, 0, 1};
+            }),
+            "'north' is along 'up' or has no direction (left out it is [0, 0, -1]); give a horizontal vector such as "
+            "[0, 1, 0]");
   EXPECT_EQ(problem([](World& w) { w.stepDurationDays = std::numeric_limits<double>::quiet_NaN(); }),
             "'stepDuration' must be greater than 0; give a number of days, or a text such as \"1 h\"");
   EXPECT_EQ(problem([](World& w) { w.stepDurationDays = 1e300; }),

@@ -82,8 +82,8 @@ TEST(Wind, TheWeatherBringsTheSpeed) {
   replies.prepare(queries);
   EXPECT_EQ(
       process->step(queries, replies)->message,
-      "Environment 'wind' needs the weather from day 1 to day 1.5, and the table ends on day 1 or begins after it. "
-      "Add rows to the table, or make fewer steps.");
+      "Environment 'wind' needs the weather from day 1 to day 1.5, and the table covers the time from day 0 to day 1 "
+      "after the start. Add rows to the table, or make fewer steps.");
 }
 
 }  // namespace

@@ -255,6 +255,16 @@ TEST(Xylem, RefusesWhatCannotBe) {
   EXPECT_EQ(errorOf(*process, RootDrawing().root({0, 0, 0}, 5, 1, 0.1, kTen).pixels().queries()),
             "Environment 'xylem' needs the radius of segments, and the model draws lines of so many pixels. Give the "
             "key 'radius', or 'line style: cylinder' in the view file.");
+  // a line that is given no width is drawn with the smallest one
+  for (const double width : {0.0, 1e-7}) {
+    const auto roots = RootDrawing().root({0, 0, 0}, 5, 1, width, kTen).queries();
+    EXPECT_EQ(
+        errorOf(*process, roots),
+        "Environment 'xylem' needs the radius of segments, and one of plant 0 in the soil, drawn by module 0, has "
+        "no width. Give the key 'radius', draw roots with a width, or give a file of roots their diameters.");
+    EXPECT_EQ(errorOf(*openProcess("xylem", R"({"radius":0.05})", centimetres()), roots), "");
+    EXPECT_EQ(errorOf(*openProcess("xylem", R"({"kr":0})", centimetres()), roots), "");
+  }
   std::vector<double> leaf(12, 0.0);
   leaf[2] = 1e-3;
   leaf[10] = 0.0;
@@ -661,9 +671,8 @@ TEST(Xylem, LeavesReadTheAirOfTheWeather) {
               1e-3);
   EXPECT_LT(*cool[4][kLatent], 0.5 * *warm[4][kLatent]);
   EXPECT_EQ(errorOf(*process, plantWithLeaf(leafOf(10.0, 100.0, 0.0)).queries(1.5)),
-            "Environment 'xylem' needs the weather from day 1.5 to day 1.5416666666666667, and the table ends on day 1 "
-            "or begins "
-            "after it. Add rows to the table, or make fewer steps.");
+            "Environment 'xylem' needs the weather from day 1.5 to day 1.5416666666666667, and the table covers the "
+            "time from day 0 to day 1 after the start. Add rows to the table, or make fewer steps.");
 }
 
 TEST(Xylem, RefusesLeavesThatCannotBe) {
@@ -671,8 +680,10 @@ TEST(Xylem, RefusesLeavesThatCannotBe) {
   EXPECT_EQ(errorOf(*process, plantWithLeaf(leafOf(-2.0, 1.0, 1.0)).queries()),
             "Environment 'xylem' got the leaf area -2 in parameter 3 of module 9 of plant 0. Send a number of at least "
             "0.");
-  EXPECT_EQ(errorOf(*process, plantWithLeaf(leafOf(2.0, 1.0, -5.0)).queries()),
-            "Environment 'xylem' got the light -5 in parameter 5 of module 9 of plant 0. Send a number of at least 0.");
+  EXPECT_EQ(
+      errorOf(*process, plantWithLeaf(leafOf(2.0, 1.0, -5.0)).queries()),
+      "Environment 'xylem' got the light -5 in parameter 5 of module 9 of plant 0. Send a number of at least 0, in "
+      "each step again: the answer to a leaf takes the place of what it sent.");
 }
 
 // a root that is wider than its cell takes from the cells around it: how fine the grid is does not matter

@@ -94,8 +94,7 @@ TEST(FieldEmbedding, AFieldInAnotherUnitThanTheWorldIsRefused) {
   leaves.values.assign(6, 1.0);
   EXPECT_EQ(opened("light-voxels", leaves, "m"),
             "Environment 'light-voxels' begins with leaf area densities in '1/cm', and the world's unit of length is "
-            "'m'. Give the "
-            "densities in 1/m, and the places of their voxels in m.");
+            "'m'. Give the densities in 1/m, with \"fieldUnit\": \"1/m\", and the places of their voxels in m.");
 }
 
 TEST(FieldEmbedding, WhatIsWrongWithAFileIsSaid) {

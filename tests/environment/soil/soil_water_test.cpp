@@ -255,8 +255,8 @@ TEST(SoilWater, TheWeathersRainTakesThePlaceOfItsOwn) {
   const auto error = process->tick(2);
   ASSERT_TRUE(error.has_value());
   EXPECT_EQ(error->message,
-            "Environment 'soil-water' needs the weather from day 2 to day 3, and the table ends on day 2 or begins "
-            "after it. Add rows to the table, or make fewer steps.");
+            "Environment 'soil-water' needs the weather from day 2 to day 3, and the table covers the time "
+            "from day 0 to day 2 after the start. Add rows to the table, or make fewer steps.");
   EXPECT_NEAR(stored() - before, 0.012, 1e-9);
 }
 
