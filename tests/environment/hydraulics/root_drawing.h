@@ -72,4 +72,12 @@ inline turtle::EnvironmentContext centimetres(double stepDurationDays = 1.0) {
   return context;
 }
 
+/// The error of a step; empty: there is none.
+inline std::string errorOf(turtle::EnvironmentProcess& process, const turtle::QueryBatch& queries) {
+  turtle::ReplyBatch replies;
+  replies.prepare(queries);
+  const auto error = process.step(queries, replies);
+  return error ? error->message : "";
+}
+
 }  // namespace espalier::environment
