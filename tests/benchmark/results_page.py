@@ -65,14 +65,23 @@ class Page:
         update_tables(file, self.tables)
 
 
+def names_in(text: str) -> set[str]:
+    """The first cells of the rows of a table, without its head."""
+    return {line.split("|")[1].strip() for line in [row for row in text.splitlines() if row.startswith("| ")][1:]}
+
+
 def update_tables(file: str, tables: dict[str, str]) -> None:
-    """Puts tables, by their titles, in the place of those of the same titles; new ones go to the end."""
+    """Puts tables, by their titles, in the place of those of the same titles; new ones go to the end. A table that has rows which this
+    run has not measured stays as it is."""
     said = f"Measured {datetime.date.today().isoformat()}, load {os.getloadavg()[0]:.1f}.\n\n"
     head, *sections = Path(file).read_text(encoding="utf-8").split("\n## ")
     titles = [section.split("\n", 1)[0] for section in sections]
     for title, text in tables.items():
         section = f"{title}\n\n{said}{text}"
-        if title in titles:
+        left = names_in(sections[titles.index(title)]) - names_in(text) if title in titles else set()
+        if left:
+            print(f"{title}: the table stays, for this run has not measured {len(left)} of its rows, such as {min(left)}")
+        elif title in titles:
             sections[titles.index(title)] = section
         else:
             sections.append(section)
