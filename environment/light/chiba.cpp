@@ -190,7 +190,11 @@ class Chiba final : public turtle::EnvironmentProcess {
     }
     const double half = std::sqrt(radius * radius - squared);
     const double chord = ahead + half - std::max(ahead - half, 0.0);
-    return chord > 0.0 && half > 0.0 ? chord / (2.0 * radius) : 0.0;
+    if (!(chord > 0.0 && half > 0.0)) {
+      return 0.0;
+    }
+    // the square of a huge radius is no number: such a sphere is crossed as if through its middle
+    return std::isfinite(chord) ? chord / (2.0 * radius) : 1.0;
   }
 
   /// The light of every sphere, by chords that are kept from step to step.

@@ -32,6 +32,19 @@ TEST(Chiba, ASphereAboveTakesLightByItsChord) {
   EXPECT_NEAR(lightUnder({0, 0.5, 0}), std::pow(0.25, 1.5 / 2.0), 1e-15);
 }
 
+TEST(Chiba, AHugeSphereIsCrossedLikeAnyOther) {
+  // the square of its radius is infinite
+  for (const double transmittance : {0.0, 0.25}) {
+    const auto process =
+        openProcess("chiba", R"({"sources":[[0,1,0,1]],"transmittance":)" + std::to_string(transmittance) + "}");
+    const auto values = firstValues(
+        answersOf(*process, QueryBuilder().add({0, 0, 0}, {0.5}).add({0, 5, 0}, {1e300}).add({0, 9, 0}, {1}).batch()));
+    EXPECT_NEAR(values[0], transmittance * transmittance, 1e-12);
+    EXPECT_NEAR(values[1], transmittance, 1e-12);
+    EXPECT_NEAR(values[2], transmittance, 1e-12);
+  }
+}
+
 TEST(Chiba, SeveralSpheresMultiply) {
   const auto process = openProcess("chiba", zenith());
   QueryBuilder builder;
