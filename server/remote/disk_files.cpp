@@ -88,6 +88,11 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::string_view bytes) {
+  if (bytes.size() >= kBufferBytes) {
+    flush();
+    put(bytes);
+    return;
+  }
   buffered_.append(bytes);
   if (buffered_.size() >= kBufferBytes) {
     flush();
@@ -95,7 +100,11 @@ void AtomicFile::write(std::string_view bytes) {
 }
 
 void AtomicFile::flush() {
-  std::string_view rest = buffered_;
+  put(buffered_);
+  buffered_.clear();
+}
+
+void AtomicFile::put(std::string_view rest) {
   while (failure_ == 0 && !rest.empty()) {
     const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
     if (written >= 0) {
@@ -104,7 +113,6 @@ void AtomicFile::flush() {
       failure_ = errno;
     }
   }
-  buffered_.clear();
 }
 
 std::optional<std::string> AtomicFile::finish() {

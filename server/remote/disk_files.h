@@ -48,6 +48,7 @@ class AtomicFile final : public core::ByteSink {
   std::string buffered_;
 
   void flush();
+  void put(std::string_view rest);
   [[nodiscard]] std::optional<std::string> problem() const;
 };
 

@@ -23,6 +23,11 @@ class BinaryOutput {
   BinaryOutput& operator=(const BinaryOutput&) = delete;
 
   void bytes(std::string_view text) {
+    if (sink_ != nullptr && text.size() > kPieceBytes) {
+      flush();
+      sink_->write(text);
+      return;
+    }
     buffer_->append(text);
     if (buffer_->size() > kPieceBytes) {
       flush();

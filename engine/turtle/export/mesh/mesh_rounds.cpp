@@ -7,8 +7,9 @@ namespace espalier::turtle {
 
 namespace {
 
-constexpr std::size_t kTaskMeshes = 32;
-constexpr std::size_t kRoundMeshes = 2048;
+constexpr std::size_t kTaskMeshes = 8;
+// A round holds few: the memory that it touches is used again by the next, and stays in the cache.
+constexpr std::size_t kRoundTasksPerThread = 16;
 
 /// Meshes that one thread makes and spells one after the other.
 struct MeshTask {
@@ -63,7 +64,7 @@ struct MeshTask {
 
 std::optional<std::string> forMeshes(core::WorkerTeam& team, std::size_t count, const MeshWork& work) {
   // one thread takes one task after the other
-  const std::size_t roundMeshes = team.size() == 1 ? kTaskMeshes : kRoundMeshes;
+  const std::size_t roundMeshes = kTaskMeshes * (team.size() == 1 ? 1 : team.size() * kRoundTasksPerThread);
   std::vector<MeshTask> tasks((std::min(count, roundMeshes) + kTaskMeshes - 1) / kTaskMeshes);
   for (std::size_t first = 0; first < count; first += roundMeshes) {
     const std::size_t end = std::min(count, first + roundMeshes);

@@ -25,7 +25,7 @@ struct MeshWork {
   std::function<std::optional<std::string>(std::size_t, const Mesh&, std::string_view bytes)> use;
 };
 
-/// Does the work on `count` meshes, a round of some thousands at a time: the output does not depend on the threads.
+/// Does the work on `count` meshes, a round of some hundreds at a time: the output does not depend on the threads.
 /// Stops at the first sentence, which is returned.
 [[nodiscard]] std::optional<std::string> forMeshes(core::WorkerTeam& team, std::size_t count, const MeshWork& work);
 
