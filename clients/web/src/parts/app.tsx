@@ -1,7 +1,7 @@
 // The whole page.
-import { useEffect, useReducer, useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import type { Studio } from "../studio/studio.js";
-import { onNextFrame } from "../view/frames.js";
+import { useChanges } from "./changes.js";
 import { Divider, useTextWidth } from "./divider.js";
 import { ExportDialog, GalleryDialog, HelpDialog, ShareDialog } from "./dialogs.js";
 import { IconButton } from "./icons.js";
@@ -27,28 +27,11 @@ export function setTheme(studio: Studio, isDark: boolean): void {
 }
 
 export function App({ studio, canvas }: { studio: Studio; canvas: HTMLCanvasElement }) {
-  const [, redraw] = useReducer((count: number) => count + 1, 0);
   const [open, setOpen] = useState<Window>(null);
   const [tab, setTab] = useState<Tab>("Parameters");
   const [isTextShown, setTextShown] = useState(true);
   const [textWidth, setTextWidth] = useTextWidth();
-  useEffect(() => {
-    // many changes make one picture
-    let isWaiting = false;
-    const end = studio.subscribe(() => {
-      if (!isWaiting) {
-        isWaiting = true;
-        void studio.frames.withPlant().then(() =>
-          onNextFrame(() => {
-            isWaiting = false;
-            redraw(undefined);
-          }),
-        );
-      }
-    });
-    redraw(undefined); // of what has come since the first drawing
-    return end;
-  }, []);
+  useChanges(studio, true);
   useEffect(() => {
     const pressed = (event: KeyboardEvent) => keyPressed(event, studio, setOpen);
     addEventListener("keydown", pressed);

@@ -4,10 +4,12 @@ import type { Studio } from "../studio/studio.js";
 import { fileOf } from "../studio/document.js";
 import { applyMessage, isPanel, parsePanel, targetOf, valueInText } from "../studio/panel.js";
 import type { PanelItem } from "../studio/panel.js";
+import { useChanges } from "./changes.js";
 
 export const panelsOf = (studio: Studio): string[] => Object.keys(studio.document.files).filter((name) => isPanel(studio.document.files[name]));
 
 export function Panels({ studio }: { studio: Studio }) {
+  useChanges(studio);
   return <>{panelsOf(studio).map((name) => <OnePanel key={`${studio.document.title} ${name}`} studio={studio} name={name} />)}</>;
 }
 

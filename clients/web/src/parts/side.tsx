@@ -6,6 +6,7 @@ import type { Define } from "../studio/document.js";
 import { deleteSimulation } from "../studio/plants.js";
 import { linkTo } from "../studio/share.js";
 import { remarkOn } from "../studio/turns.js";
+import { useChanges } from "./changes.js";
 import { ColourBoard } from "./colour_board.js";
 import { EnvironmentForm } from "./environment_form.js";
 import { IconButton } from "./icons.js";
@@ -53,6 +54,7 @@ function rangeOf(studio: Studio, define: Define): { low: number; high: number; s
 }
 
 function Parameters({ studio }: { studio: Studio }) {
+  useChanges(studio);
   const defines = studio.defines;
   if (!studio.isOwn && studio.simulation) {
     return (

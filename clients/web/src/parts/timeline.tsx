@@ -3,10 +3,11 @@ import { useEffect, useRef } from "preact/hooks";
 import UPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import type { Studio } from "../studio/studio.js";
+import { useChanges } from "./changes.js";
 import { IconButton } from "./icons.js";
 
 export function Timeline({ studio }: { studio: Studio }) {
-  const { simulation, step, length, isRunning, isOwn, isFinished } = studio;
+  const { simulation, step, isRunning, isOwn } = studio;
   const has = simulation !== null && !studio.isReadOnly;
   const last = studio.statistics[studio.statistics.length - 1];
   return (
@@ -20,11 +21,7 @@ export function Timeline({ studio }: { studio: Studio }) {
         {!studio.beside.growth && (
           <IconButton id="fork" icon="fork" label="A second plant beside, from this step (B)" disabled={!has || isRunning || !isOwn} onClick={() => void studio.act(() => studio.beside.fork())} />
         )}
-        <input id="scrub" type="range" min={0} max={Math.max(length, step, 1)} step={1} value={step} disabled={!has || isRunning || !isOwn}
-          aria-label="Step" onInput={(event) => void studio.act(() => studio.goTo(Number(event.currentTarget.value)))} />
-        <output id="state" aria-live="polite">
-          step {step} of {Math.max(length, step)}{isFinished ? ", finished" : ""}
-        </output>
+        <Scrub studio={studio} />
         {studio.longWork ? <button type="button" id="stop-work" class="recording" onClick={() => studio.longWork?.stop.abort()}>Stop {studio.longWork.name}</button> : <label class="inline" title="Pace of a run">
           <select aria-label="Pace of a run" value={studio.pace} onChange={(event) => { studio.pace = Number(event.currentTarget.value); studio.changed(); }}>
             <option value={0}>fast</option>
@@ -44,6 +41,21 @@ export function Timeline({ studio }: { studio: Studio }) {
         <Plot studio={studio} />
       </div>
     </footer>
+  );
+}
+
+/** The slider through the steps. */
+function Scrub({ studio }: { studio: Studio }) {
+  useChanges(studio);
+  const { simulation, step, length, isRunning, isOwn, isFinished } = studio;
+  return (
+    <>
+      <input id="scrub" type="range" min={0} max={Math.max(length, step, 1)} step={1} value={step} disabled={simulation === null || studio.isReadOnly || isRunning || !isOwn}
+        aria-label="Step" onInput={(event) => void studio.act(() => studio.goTo(Number(event.currentTarget.value)))} />
+      <output id="state" aria-live="polite">
+        step {step} of {Math.max(length, step)}{isFinished ? ", finished" : ""}
+      </output>
+    </>
   );
 }
 

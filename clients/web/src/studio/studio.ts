@@ -462,7 +462,7 @@ export class Studio {
 
   // ---- time
 
-  /** A slider moves: what can wait leaves the page and the server to its plant. */
+  /** A slider moves, or moved a moment ago: what can wait leaves the page and the server to its plant. */
   get isSliding(): boolean {
     return this.frames.held !== null || performance.now() - this.slid < REST_MILLISECONDS;
   }
@@ -564,6 +564,7 @@ export class Studio {
 
   /** Goes to a step: the newest wish counts. */
   goTo(step: number): Promise<void> {
+    this.slid = performance.now();
     this.wantedStep = step;
     return this.inTurn(async () => {
       if (this.wantedStep === null || !this.simulation) {

@@ -17,7 +17,7 @@ export function onNextFrame(work: () => void): void {
 
 export const nextFrame = (): Promise<void> => new Promise(onNextFrame);
 
-const SLOW_MILLISECONDS = 250;
+const SLOW_MILLISECONDS = 120;
 const SLOW_PICTURES = 3; // in a row
 const LOOK_MILLISECONDS = 8;
 const LOST_MILLISECONDS = 10_000;

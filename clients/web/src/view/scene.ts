@@ -71,6 +71,7 @@ export class View {
   private first: Vector3 | null = null; // the direction to the viewer at the beginning
   private hasBackground = true;
   private isComplete = false; // the first picture has neither shadows, ground nor sky: their programs take long to make
+  private isTimed = false; // pictures after the first complete one make no programs: another tells the clock at once how fast the card is
   private isDrawing = false;
   private isDue = false; // as soon as the picture before is ready
   private readonly size = new Vector2(); // of the element
@@ -255,6 +256,10 @@ export class View {
 
   /** The last picture is ready. */
   private pictureReady(): void {
+    if (this.isComplete && !this.isTimed) {
+      this.isTimed = true;
+      this.draw();
+    }
     this.complete();
     if (this.isDue) {
       this.drawWhenIdle();
