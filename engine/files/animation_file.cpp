@@ -8,13 +8,13 @@
 namespace espalier::files {
 namespace {
 
-constexpr std::string_view kSeparators = " \t\r,:";
+constexpr std::string_view kBetweenWords = " \t\r,:";
 constexpr std::size_t kMostIntervals = 1000;
 
 std::string_view firstWord(TextCursor line) {
-  line.skip(kSeparators);
+  line.skip(kBetweenWords);
   const std::string_view rest = line.rest();
-  return rest.substr(0, rest.find_first_of(kSeparators));
+  return rest.substr(0, rest.find_first_of(kBetweenWords));
 }
 
 class AnimationReader {
@@ -88,7 +88,7 @@ class AnimationReader {
   }
 
   std::optional<std::int64_t> number(TextCursor line, std::string_view keyword) {
-    line.skip(kSeparators);
+    line.skip(kBetweenWords);
     const std::optional<int> value = line.integer();
     if (!value) {
       expected(line, "an integer", keyword);

@@ -10,7 +10,7 @@
 namespace espalier::protocol {
 namespace {
 
-constexpr std::size_t kLongestNameBytes = 200;
+constexpr std::size_t kLongestForestNameBytes = 200;
 constexpr std::int64_t kLargestColour = 1'000'000;
 
 std::int64_t readColour(const Member& member) {
@@ -59,8 +59,8 @@ void requireKnown(const Member& object, std::span<const std::string_view> known)
 
 std::string readName(const Member& member) {
   const std::string& name = member.text();
-  if (name.empty() || name.size() > kLongestNameBytes) {
-    member.fail("expected a name of 1 to " + std::to_string(kLongestNameBytes) + " bytes, found " +
+  if (name.empty() || name.size() > kLongestForestNameBytes) {
+    member.fail("expected a name of 1 to " + std::to_string(kLongestForestNameBytes) + " bytes, found " +
                 std::to_string(name.size()) + " bytes");
   }
   return name;

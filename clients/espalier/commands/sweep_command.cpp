@@ -452,11 +452,11 @@ int run(const SweepOptions& options) {
 }
 
 void addExportCommand(CLI::App& sweep, int& status) {
-  struct ExportOptions {
+  struct SweepExport {
     std::string file, output;
     bool isPartial = false;
   };
-  const auto options = std::make_shared<ExportOptions>();
+  const auto options = std::make_shared<SweepExport>();
   CLI::App* command = sweep.add_subcommand("export", "Print the results as a table, by the number of the run");
   command->footer(
       "The table has no times. So two tables are equal, byte by byte, when their sweeps are.\n"

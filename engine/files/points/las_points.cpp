@@ -14,7 +14,7 @@ namespace espalier::files {
 namespace {
 
 /// Least bytes of a record of each point format.
-constexpr std::array<std::size_t, 11> kRecordBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+constexpr std::array<std::size_t, 11> kFormatBytes{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 constexpr std::uint8_t kFirstLongFormat = 6;  // formats with four bits for the number of returns
 // keys of a GeoTIFF directory, and their values
 constexpr std::uint64_t kModelType = 1024;
@@ -78,7 +78,7 @@ tl::expected<LasHeader, std::string> readHeader(const LasBytes& file) {
   if (format >= 64) {
     return tl::unexpected(std::string("is compressed (LAZ). Unpack it to LAS, as with laszip or las2las"));
   }
-  if (format >= kRecordBytes.size()) {
+  if (format >= kFormatBytes.size()) {
     return tl::unexpected("has the point format " + std::to_string(format) +
                           ". Give a file with a format from 0 to 10");
   }
@@ -91,9 +91,9 @@ tl::expected<LasHeader, std::string> readHeader(const LasBytes& file) {
   if (minor == 4) {
     header.count = file.integer(247, 8);
   }
-  if (header.recordBytes < kRecordBytes[format]) {
+  if (header.recordBytes < kFormatBytes[format]) {
     return tl::unexpected("has points of " + std::to_string(header.recordBytes) +
-                          " bytes, and its point format needs " + std::to_string(kRecordBytes[format]) +
+                          " bytes, and its point format needs " + std::to_string(kFormatBytes[format]) +
                           ". Get an undamaged copy");
   }
   for (const double number :

@@ -180,7 +180,7 @@ std::string cutShort(const PlyHeader& header, std::size_t points) {
          " points. Get a complete copy";
 }
 
-bool isSpace(char c) {
+bool isBlankCharacter(char c) {
   return c == ' ' || c == '\t' || c == '\r';
 }
 
@@ -195,7 +195,7 @@ class PlyLines {
       const std::string_view row = body_.substr(0, body_.find('\n'));
       body_.remove_prefix(std::min(body_.size(), row.size() + 1));
       ++line_;
-      if (!std::ranges::all_of(row, isSpace)) {
+      if (!std::ranges::all_of(row, isBlankCharacter)) {
         return row;
       }
     }
@@ -236,13 +236,13 @@ std::optional<std::string> readAscii(std::string_view body, const PlyHeader& hea
     std::uint64_t expected = properties.size();
     std::size_t next = 0;      // property
     std::uint64_t inList = 0;  // numbers that are left of the open list
-    for (at = std::find_if_not(at, end, isSpace); at != end; at = std::find_if_not(at, end, isSpace)) {
+    for (at = std::find_if_not(at, end, isBlankCharacter); at != end; at = std::find_if_not(at, end, isBlankCharacter)) {
       double value = 0.0;
       const auto [rest, error] = std::from_chars(at, end, value);
       if (rest != end && *rest == ',') {
         return "has a comma" + lines.place() + ". Write decimal points, and spaces between the numbers";
       }
-      if (error != std::errc() || (rest != end && !isSpace(*rest))) {
+      if (error != std::errc() || (rest != end && !isBlankCharacter(*rest))) {
         return "has something that is no number" + lines.place() + ". Get an undamaged copy";
       }
       at = rest;

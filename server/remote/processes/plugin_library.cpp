@@ -23,7 +23,7 @@ tl::expected<Process, std::string> loadInstance(const std::string& library, std:
                           (reason == nullptr ? "no reason given" : reason) +
                           "). Check the name, and that it was built for this machine.");
   }
-  std::shared_ptr<void> owner(handle, [](void* loaded) { ::dlclose(loaded); });
+  std::shared_ptr<void> loaded(handle, [](void* held) { ::dlclose(held); });
   using Entry = const espalier_plugin* (*)();
   const auto entry = reinterpret_cast<Entry>(::dlsym(handle, "espalier_plugin_entry"));
   const espalier_plugin* const plugin = entry == nullptr ? nullptr : entry();
@@ -32,7 +32,7 @@ tl::expected<Process, std::string> loadInstance(const std::string& library, std:
                           "' is no plug-in: it exports no function espalier_plugin_entry that returns its table "
                           "(environment/plugin.h).");
   }
-  auto made = environment::makePluginProcess(*plugin, std::move(owner), configurationJson);
+  auto made = environment::makePluginProcess(*plugin, std::move(loaded), configurationJson);
   if (!made) {
     return tl::unexpected("the plug-in '" + library + "' cannot be used: " + made.error() + ".");
   }
