@@ -129,11 +129,6 @@ function LegendBox({ studio }: { studio: Studio }) {
 function makeView(studio: Studio, element: HTMLElement, canvas: HTMLCanvasElement, onPick: () => void, onTurned: () => void): View {
   const isDark = document.documentElement.dataset.theme === "dark";
   const view = new View(element, { mode: "model", hasGround: true, hasShadows: true, hasSurroundings: true, isDark }, canvas);
-  // a person may switch them on again
-  view.onSlow = () => {
-    view.apply({ ...view.settings, hasShadows: false });
-    studio.changed();
-  };
   view.onFitted = () => studio.changed();
   let down = [0, 0];
   dragSolids(studio, view);

@@ -30,7 +30,7 @@ export class GpuClock {
   constructor(
     private readonly context: WebGL2RenderingContext,
     private readonly onSlow: () => void,
-    private readonly onReady: () => void,
+    private readonly onReady: (milliseconds: number) => void,
   ) {}
 
   /** Whether the last picture is not ready yet. */
@@ -65,7 +65,7 @@ export class GpuClock {
       if (this.slow === SLOW_PICTURES) {
         this.onSlow();
       }
-      this.onReady();
+      this.onReady(time);
     }, LOOK_MILLISECONDS);
   }
 

@@ -34,6 +34,9 @@ import { Surroundings } from "./surroundings.js";
 import type { Solid } from "./surroundings.js";
 
 const FIELD_OF_VIEW = 32;
+// in a browser whose pictures take long: after the last move, for the picture with everything, if it takes less than
+const REST_MILLISECONDS = 700;
+const LONGEST_FINE_MILLISECONDS = 1000;
 const FIT_MARGIN = 1.12; // the plant does not touch the rim, nor the tools there
 
 export interface ViewSettings {
@@ -48,8 +51,6 @@ export class View {
   readonly renderer: WebGLRenderer;
   readonly camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 1000);
   readonly controls: OrbitControls;
-  /** Called once when pictures take long. */
-  onSlow: () => void = () => {};
   /** It draws only what `pictureOf` asks for. */
   isOfPictures = false;
   private readonly clock: GpuClock;
@@ -72,6 +73,10 @@ export class View {
   private hasBackground = true;
   private isComplete = false; // the first picture has neither shadows, ground nor sky: their programs take long to make
   private isTimed = false; // pictures after the first complete one make no programs: another tells the clock at once how fast the card is
+  private isSlow = false; // pictures take long
+  private isFine = false; // the picture that is drawn has everything
+  private rest = 0; // the timer of the picture at rest
+  private fine = { count: 0, milliseconds: 0 }; // the last picture with everything: its segments, and how long it took
   private isDrawing = false;
   private isDue = false; // as soon as the picture before is ready
   private readonly size = new Vector2(); // of the element
@@ -91,14 +96,15 @@ export class View {
     this.renderer = new WebGLRenderer({ canvas, ...(context && { context }), ...CONTEXT });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     const slow = () => {
-      this.plants.tubes.isCoarse = true;
-      this.onSlow();
+      this.isSlow = true;
+      this.moved();
     };
-    this.clock = new GpuClock(this.renderer.getContext() as WebGL2RenderingContext, slow, () => this.pictureReady());
+    this.clock = new GpuClock(this.renderer.getContext() as WebGL2RenderingContext, slow, (time) => this.pictureReady(time));
     this.renderer.shadowMap.type = PCFShadowMap;
     element.append(this.renderer.domElement);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener("change", () => {
+      this.moved();
       this.partner?.lookAs(this);
       this.draw();
     });
@@ -128,15 +134,44 @@ export class View {
   /** Takes new settings over. */
   apply(settings: ViewSettings): void {
     this.settings = settings;
-    const hasShadows = settings.hasShadows && this.isComplete;
-    this.renderer.shadowMap.enabled = hasShadows;
-    this.sun.castShadow = hasShadows;
+    this.shade();
     this.scene.background = this.hasBackground && this.isComplete ? backgroundTexture(settings.isDark) : null;
     this.ground.material.color = new Color(settings.isDark ? 0x39413a : 0xe9e7da);
     this.sky.intensity = settings.isDark ? 1.3 : 1.6;
     this.surroundings.group.visible = settings.hasSurroundings;
     this.repaint();
     this.arrange();
+  }
+
+  private shade(): void {
+    const hasShadows = this.settings.hasShadows && this.isComplete && !this.plants.tubes.isCoarse;
+    this.renderer.shadowMap.enabled = hasShadows;
+    this.sun.castShadow = hasShadows;
+  }
+
+  /** The plant or the camera moves. Where pictures take long they have neither shadows nor round ends until it rests. */
+  private moved(): void {
+    if (this.isSlow) {
+      clearTimeout(this.rest);
+      this.refine(true);
+      this.rest = setTimeout(() => {
+        const { count, milliseconds } = this.fine;
+        if (milliseconds * (this.plants.tubes.count / Math.max(count, 1)) < LONGEST_FINE_MILLISECONDS) {
+          this.refine(false);
+        }
+      }, REST_MILLISECONDS);
+    }
+  }
+
+  private refine(isCoarse: boolean): void {
+    if (this.plants.tubes.isCoarse !== isCoarse) {
+      this.plants.tubes.isCoarse = isCoarse;
+      if (this.plants.geometry) {
+        this.plants.tubes.update(this.plants.geometry, []);
+      }
+      this.shade();
+      this.draw();
+    }
   }
 
   setPalette(palette: ModelPalette | null): void {
@@ -156,6 +191,7 @@ export class View {
 
   /** Shows a frame. Rows that did not change are not written again. */
   update(geometry: Geometry, change: GeometryChange, step: number, isLast: boolean): void {
+    this.moved();
     this.plants.update(geometry, change, step, this.settings.mode);
     this.arrange();
     this.surround(this.processes);
@@ -255,7 +291,10 @@ export class View {
   }
 
   /** The last picture is ready. */
-  private pictureReady(): void {
+  private pictureReady(milliseconds: number): void {
+    if (this.isFine) {
+      this.fine = { count: this.plants.tubes.count, milliseconds };
+    }
     if (this.isComplete && !this.isTimed) {
       this.isTimed = true;
       this.draw();
@@ -281,6 +320,7 @@ export class View {
     const height = this.renderer.domElement.height || 1;
     this.plants.tubes.setPixelScale(((2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360)) / height) * this.renderer.getPixelRatio());
     this.light();
+    this.isFine = !this.plants.tubes.isCoarse;
     this.renderer.render(this.scene, this.camera);
     this.clock.begin();
     this.onDrawn();
@@ -539,6 +579,7 @@ export class View {
   /** Draws what is seen, with everything about it. */
   private drawComplete(): HTMLCanvasElement {
     this.complete();
+    this.refine(false);
     this.drawNow();
     return this.renderer.domElement;
   }
@@ -578,6 +619,7 @@ export class View {
 
   /** Frees the canvas; browsers allow few. */
   dispose(): void {
+    clearTimeout(this.rest);
     this.pairWith(null);
     this.controls.dispose();
     this.renderer.dispose();
