@@ -288,6 +288,28 @@ test("a model is saved on the server, opened again, and two people do not write 
   await stopped(keeping.server);
 });
 
+test("where pictures take long a plant that moves has no shadows, and has them again at rest or when they are asked for", async () => {
+  const page = await open(`${running.address}/#gallery=parametric-tree`);
+  const state = () => page.evaluate(() => [studio.view.plants.tubes.isCoarse, studio.view.renderer.shadowMap.enabled]);
+  await page.waitForFunction(() => studio.view.renderer.shadowMap.enabled);
+  const slide = (segments, milliseconds) =>
+    page.evaluate(([count, time]) => {
+      clearTimeout(studio.view.rest);
+      Object.assign(studio.view, { isSlow: true, isFine: false, fine: { count, milliseconds: time } });
+      studio.view.turn(0.1); // the camera moves
+      return [studio.view.plants.tubes.isCoarse, studio.view.renderer.shadowMap.enabled];
+    }, [segments, milliseconds]);
+  assert.deepEqual(await slide(1, 200), [true, false]);
+  await page.waitForFunction(() => !studio.view.plants.tubes.isCoarse && studio.view.renderer.shadowMap.enabled);
+  // such a picture would take too long
+  assert.deepEqual(await slide(1000, 5000), [true, false]);
+  await page.waitForTimeout(1500);
+  assert.deepEqual(await state(), [true, false]);
+  await page.evaluate(() => studio.view.apply(studio.view.settings));
+  assert.deepEqual(await state(), [false, true]);
+  await page.close();
+});
+
 test("no page had an error, or asked for anything that its policy forbids", () => {
   assert.deepEqual(problems, []);
 });

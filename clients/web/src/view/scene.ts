@@ -37,6 +37,7 @@ const FIELD_OF_VIEW = 32;
 // in a browser whose pictures take long: after the last move, for the picture with everything, if it takes less than
 const REST_MILLISECONDS = 700;
 const LONGEST_FINE_MILLISECONDS = 1000;
+const FEW_SEGMENTS = 2000; // fewer take as long
 const FIT_MARGIN = 1.12; // the plant does not touch the rim, nor the tools there
 
 export interface ViewSettings {
@@ -134,6 +135,7 @@ export class View {
   /** Takes new settings over. */
   apply(settings: ViewSettings): void {
     this.settings = settings;
+    this.refine(false); // who asks for shadows gets them
     this.shade();
     this.scene.background = this.hasBackground && this.isComplete ? backgroundTexture(settings.isDark) : null;
     this.ground.material.color = new Color(settings.isDark ? 0x39413a : 0xe9e7da);
@@ -156,7 +158,8 @@ export class View {
       this.refine(true);
       this.rest = setTimeout(() => {
         const { count, milliseconds } = this.fine;
-        if (milliseconds * (this.plants.tubes.count / Math.max(count, 1)) < LONGEST_FINE_MILLISECONDS) {
+        const growth = Math.max(this.plants.tubes.count, FEW_SEGMENTS) / Math.max(count, FEW_SEGMENTS);
+        if (milliseconds * growth < LONGEST_FINE_MILLISECONDS) {
           this.refine(false);
         }
       }, REST_MILLISECONDS);
@@ -384,6 +387,7 @@ export class View {
   }
 
   private lookAs({ camera, controls }: View): void {
+    this.moved();
     this.camera.position.copy(camera.position);
     this.camera.quaternion.copy(camera.quaternion);
     this.camera.near = camera.near;
