@@ -113,7 +113,13 @@ for (const mode of ["model", "order", "age", "plant", "symbol"]) {
         }
         whole.repaint(mode);
       }
-      assert.deepEqual(seen(plants), seen(whole), `step ${step}`);
+      // where little changed, the bounds may hold places that were left
+      assert.ok(plants.bounds.containsBox(whole.bounds), `step ${step}`);
+      assert.deepEqual({ ...seen(plants), bounds: null }, { ...seen(whole), bounds: null }, `step ${step}`);
+      if (step % 5 === 0) {
+        plants.tighten();
+        assert.deepEqual(plants.bounds, whole.bounds, `step ${step}`);
+      }
     }
   });
 }

@@ -17,15 +17,15 @@ export function onNextFrame(work: () => void): void {
 
 export const nextFrame = (): Promise<void> => new Promise(onNextFrame);
 
-const SLOW_MILLISECONDS = 120;
-const SLOW_PICTURES = 3; // in a row
+const SLOW_MILLISECONDS = 60;
+const SLOW_PICTURES = 2; // in a row
 const LOOK_MILLISECONDS = 8;
 const LOST_MILLISECONDS = 10_000;
 
 /** Knows whether the graphics card still draws, and when its pictures take long. */
 export class GpuClock {
   private sync: WebGLSync | null = null;
-  private slow = 0;
+  private slow = -Infinity; // slow pictures in a row
 
   constructor(
     private readonly context: WebGL2RenderingContext,
@@ -36,6 +36,11 @@ export class GpuClock {
   /** Whether the last picture is not ready yet. */
   get isBusy(): boolean {
     return this.sync !== null;
+  }
+
+  /** Pictures from now on make no programs: they say how fast the card is. */
+  start(): void {
+    this.slow = 0;
   }
 
   /** The commands of a picture have been given. */
@@ -61,7 +66,7 @@ export class GpuClock {
       }
       this.forget();
       // the timers of a hidden page are slow
-      this.slow = time > SLOW_MILLISECONDS && !document.hidden ? this.slow + 1 : 0;
+      this.slow = time > SLOW_MILLISECONDS && !document.hidden ? this.slow + 1 : Math.min(this.slow, 0);
       if (this.slow === SLOW_PICTURES) {
         this.onSlow();
       }

@@ -15,10 +15,15 @@ export interface Picked {
 
 const BLOCK = 16; // rows whose box is kept
 
-/** The box of all points of a table. Only blocks of rows that changed are looked at again. */
+/**
+ * The box of all points of a table. Of a block of which some rows changed only these rows are looked at: its box then also holds the
+ * places where they were, until `tighten`.
+ */
 export class Bounds {
   private boxes = new Float64Array(0); // of each block: lows, highs
+  private columns: ArrayLike<number>[] = [];
   private count = 0;
+  private isLoose = false;
 
   /** `columns`: three coordinates a row each; `changed`: ascending ranges of rows. */
   update(columns: ArrayLike<number>[], count: number, changed: RowRange[]): Box3 {
@@ -28,29 +33,48 @@ export class Bounds {
       larger.set(this.boxes);
       this.boxes = larger;
     }
-    let done = 0;
-    for (const { begin, end } of changed) {
-      const last = Math.min(Math.ceil(end / BLOCK), blocks);
-      for (let block = Math.max(done, Math.floor(begin / BLOCK)); block < last; ++block) {
-        this.measure(block, columns, count);
-      }
-      done = Math.max(done, last);
-    }
-    if (blocks > 0 && count !== this.count) {
-      this.measure(blocks - 1, columns, count);
-    }
+    const before = this.count;
+    this.columns = columns;
     this.count = count;
-    return this.union(blocks);
+    for (const { begin, end } of changed) {
+      for (let block = Math.floor(begin / BLOCK); BLOCK * block < end; ++block) {
+        const first = BLOCK * block;
+        const last = Math.min(first + BLOCK, count);
+        if ((begin <= first && end >= last) || first >= before) {
+          this.measure(block, first, last, false);
+        } else {
+          this.measure(block, Math.max(begin, first), Math.min(end, last), true);
+          this.isLoose = true;
+        }
+      }
+    }
+    if (count < before && blocks > 0) {
+      this.measure(blocks - 1, BLOCK * (blocks - 1), count, false);
+    }
+    return this.union();
   }
 
-  private measure(block: number, columns: ArrayLike<number>[], count: number): void {
-    const begin = 3 * BLOCK * block;
-    const end = Math.min(3 * count, begin + 3 * BLOCK);
-    let [lowX, lowY, lowZ] = [Infinity, Infinity, Infinity];
-    let [highX, highY, highZ] = [-Infinity, -Infinity, -Infinity];
-    for (let column = 0; column < columns.length; ++column) {
-      const values = columns[column];
-      for (let i = begin; i < end; i += 3) {
+  /** The box of the points alone. */
+  tighten(): Box3 {
+    for (let block = 0; this.isLoose && BLOCK * block < this.count; ++block) {
+      this.measure(block, BLOCK * block, Math.min(BLOCK * (block + 1), this.count), false);
+    }
+    this.isLoose = false;
+    return this.union();
+  }
+
+  /** The box of a block holds the rows from `begin` to `end`, and what it held before when `isKept`. */
+  private measure(block: number, begin: number, end: number, isKept: boolean): void {
+    const { boxes } = this;
+    const to = 6 * block;
+    let lowX = isKept ? boxes[to] : Infinity;
+    let lowY = isKept ? boxes[to + 1] : Infinity;
+    let lowZ = isKept ? boxes[to + 2] : Infinity;
+    let highX = isKept ? boxes[to + 3] : -Infinity;
+    let highY = isKept ? boxes[to + 4] : -Infinity;
+    let highZ = isKept ? boxes[to + 5] : -Infinity;
+    for (const values of this.columns) {
+      for (let i = 3 * begin; i < 3 * end; i += 3) {
         const x = values[i];
         const y = values[i + 1];
         const z = values[i + 2];
@@ -62,8 +86,6 @@ export class Bounds {
         highZ = z > highZ ? z : highZ;
       }
     }
-    const { boxes } = this;
-    const to = 6 * block;
     boxes[to] = lowX;
     boxes[to + 1] = lowY;
     boxes[to + 2] = lowZ;
@@ -97,7 +119,8 @@ export class Bounds {
     return distance;
   }
 
-  private union(blocks: number): Box3 {
+  private union(): Box3 {
+    const blocks = Math.ceil(this.count / BLOCK);
     const low = [0, 0, 0];
     const high = [0, 0, 0];
     for (let axis = 0; axis < 3; ++axis) {

@@ -52,6 +52,11 @@ export class Plants {
     this.paint(mode, isSame ? changed : null, hasOtherOrgans);
   }
 
+  /** While little changes at a time, the bounds also hold where things were. From now on they are those of what is there. */
+  tighten(): void {
+    this.bounds = this.segmentBounds.tighten().union(this.organBox);
+  }
+
   /** How far from `centre` a camera must be to see the plants from all sides. */
   distanceToSee(centre: Vector3, direction: Vector3, across: number, up: number): number {
     return Math.max(this.segmentBounds.distanceToSee(centre, direction, across, up), this.organBounds.distanceToSee(centre, direction, across, up));

@@ -38,6 +38,7 @@ const FIELD_OF_VIEW = 32;
 const REST_MILLISECONDS = 700;
 const LONGEST_FINE_MILLISECONDS = 1000;
 const FEW_SEGMENTS = 2000; // fewer take as long
+const TIMINGS = 2;
 const FIT_MARGIN = 1.12; // the plant does not touch the rim, nor the tools there
 
 export interface ViewSettings {
@@ -73,7 +74,7 @@ export class View {
   private first: Vector3 | null = null; // the direction to the viewer at the beginning
   private hasBackground = true;
   private isComplete = false; // the first picture has neither shadows, ground nor sky: their programs take long to make
-  private isTimed = false; // pictures after the first complete one make no programs: another tells the clock at once how fast the card is
+  private timings = 0; // pictures after the first complete one that only tell the clock how fast the card is
   private isSlow = false; // pictures take long
   private isFine = false; // the picture that is drawn has everything
   private rest = 0; // the timer of the picture at rest
@@ -96,11 +97,7 @@ export class View {
     const context = canvas.getContext("webgl2") as WebGL2RenderingContext | null;
     this.renderer = new WebGLRenderer({ canvas, ...(context && { context }), ...CONTEXT });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    const slow = () => {
-      this.isSlow = true;
-      this.moved();
-    };
-    this.clock = new GpuClock(this.renderer.getContext() as WebGL2RenderingContext, slow, (time) => this.pictureReady(time));
+    this.clock = new GpuClock(this.renderer.getContext() as WebGL2RenderingContext, () => (this.isSlow = true), (time) => this.pictureReady(time));
     this.renderer.shadowMap.type = PCFShadowMap;
     element.append(this.renderer.domElement);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
@@ -153,7 +150,7 @@ export class View {
 
   /** The plant or the camera moves. Where pictures take long they have neither shadows nor round ends until it rests. */
   private moved(): void {
-    if (this.isSlow) {
+    if (this.isSlow && !this.isOfPictures) {
       clearTimeout(this.rest);
       this.refine(true);
       this.rest = setTimeout(() => {
@@ -298,8 +295,11 @@ export class View {
     if (this.isFine) {
       this.fine = { count: this.plants.tubes.count, milliseconds };
     }
-    if (this.isComplete && !this.isTimed) {
-      this.isTimed = true;
+    if (this.isComplete && this.timings < TIMINGS) {
+      if (this.timings === 0) {
+        this.clock.start();
+      }
+      ++this.timings;
       this.draw();
     }
     this.complete();
@@ -362,7 +362,7 @@ export class View {
       // another size empties the canvas; in the beginning there is nothing to draw
       if (x > 0) {
         if (this.fitted && !this.isTurned) {
-          this.fit(this.fitted); // a narrow view sees less
+          this.fitTo(this.fitted); // a narrow view sees less
         }
         this.drawNow();
         this.onFitted(); // a pixel shows another length
@@ -407,8 +407,15 @@ export class View {
     return fieldBox(this.field).intersect(near).union(plants);
   }
 
+  /** Shows the whole plants. */
+  fit(): void {
+    this.plants.tighten();
+    this.partner?.plants.tighten();
+    this.fitTo(this.wholeBounds);
+  }
+
   /** Places the camera so that the whole box is visible; it keeps its direction. */
-  fit(box = this.wholeBounds): void {
+  private fitTo(box: Box3): void {
     if (box.isEmpty()) {
       return;
     }
@@ -444,13 +451,16 @@ export class View {
   /** Moves back when the plant has grown beyond what was fitted. */
   private fitGrown(isLast: boolean): void {
     const isLoose = isLast && !this.isTurned;
+    if (isLast) {
+      this.plants.tighten();
+    }
     const bounds = this.wholeBounds;
     if (!bounds.isEmpty() && (isLoose || !this.fitted || !this.fitted.containsBox(bounds))) {
       // a margin for the next steps
       const box = this.fitted && !isLast ? bounds.clone().expandByVector(bounds.getSize(new Vector3()).multiplyScalar(0.1)) : bounds.clone();
       // another model stands elsewhere
       this.anchor = this.anchor && !this.fitted ? this.footPoint() : this.anchor;
-      this.fit(box);
+      this.fitTo(box);
       this.fitted = box;
       if (this.partner) {
         this.partner.fitted = box;
@@ -596,6 +606,7 @@ export class View {
 
   /** The view as a PNG file, with the photograph that lies behind it. */
   async picture(): Promise<Blob> {
+    this.resize(); // the page may have changed since the last frame of the browser
     this.drawComplete();
     const whole = this.composed();
     const made = await new Promise<Blob | null>((done) => whole.toBlob(done, "image/png"));
