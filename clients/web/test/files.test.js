@@ -242,7 +242,7 @@ test("sliders are made for numeric macros only, and write a number as it was mea
   assert.equal(model.numberText(0.30000000000000004, 0.01), "0.3");
 });
 
-test("a colour changes three bytes of a colour map, and the diffuse part of the last record of a material", () => {
+test("a colour changes three bytes of a colour map, and a part of a material its bytes of the last record", () => {
   const map = Uint8Array.from({ length: 768 }, (_, i) => i % 256);
   const text = Buffer.from(map).toString("base64");
   const changed = Buffer.from(palette.withColour("a.map", text, 7, [1, 2, 3]), "base64");
@@ -254,7 +254,15 @@ test("a colour changes three bytes of a colour map, and the diffuse part of the 
   assert.deepEqual(palette.folderPalette(document).colours.slice(3, 6), [[110, 0, 0], [1, 1, 1], [255, 255, 255]]);
   const painted = Buffer.from(palette.withColour("a.mat", document.binary["a.mat"], 3, [60, 5, 250]), "base64");
   assert.deepEqual([...painted.entries()].filter(([i, byte]) => byte !== materials[i]), [[35, 50], [36, 5], [37, 250]]);
-  assert.equal(palette.withColour("a.mat", document.binary["a.mat"], 9, [0, 0, 0]), null);
+  const shining = Buffer.from(palette.withMaterial(document.binary["a.mat"], 3, { shininess: 90, specular: [8, 200, 8], transparency: 7 }), "base64");
+  assert.deepEqual([...shining.entries()].filter(([i, byte]) => byte !== materials[i]), [[31, 7], [42, 200], [44, 90]]);
+  assert.deepEqual(palette.materialOf(shining.toString("base64"), 3), { transparency: 7, ambient: [9, 9, 9], diffuse: [100, 0, 0], emission: [10, 0, 0], specular: [8, 200, 8], shininess: 90 });
+  // a material that the file does not have is white and dull, until it comes to its end
+  const longer = Buffer.from(palette.withColour("a.mat", document.binary["a.mat"], 9, [1, 2, 3]), "base64");
+  assert.deepEqual([...longer], [...materials, 9, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0, 0, 0, 0, 0]);
+  // so does a colour of a short map
+  const short = Buffer.from(palette.withColour("a.map", Buffer.from([1, 2, 3]).toString("base64"), 2, [7, 8, 9]), "base64");
+  assert.deepEqual([...short], [1, 2, 3, 200, 200, 200, 7, 8, 9]);
 });
 
 test("a slice of a field has its cells, and the surface of a value is where the field has it", async () => {

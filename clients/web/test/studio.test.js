@@ -89,6 +89,37 @@ test("a model with textures shows them, and its colours by number without them",
   await page.close();
 });
 
+test("a material is changed in all its parts, and seen when it is", async () => {
+  const page = await open(`${running.address}/#gallery=classic-algae`);
+  const record = (number, transparency) => [number, transparency, 9, 9, 9, 40, 120, 30, 0, 0, 0, 8, 8, 8, 20];
+  await page.evaluate((bytes) => studio.openDocument({
+    title: "stem", main: "stem.l", environment: null, gallery: null,
+    files: { "stem.l": "Lsystem: 1\nderivation length: 2\nAxiom: ;(2)!(0.2)F(1);(3)F(1)\nendlsystem\n", "stem.v": "\n", "specifications": "stem.l\nstem.v\nstem.mat\nignore:\n*\nstem:\n\tcpfg -M stem.mat stem.l stem.v\n" },
+    binary: { "stem.mat": btoa(String.fromCharCode(...bytes)) },
+  }), [...record(2, 0), ...record(3, 0)]);
+  await shown(page);
+  const seen = () => page.evaluate(() => {
+    const found = [];
+    studio.view.other?.traverse((part) => part.material && found.push([part.material.name, part.material.opacity.toFixed(2), part.material.roughness.toFixed(2)].join(" ")));
+    return found.sort().join(", ");
+  });
+  assert.equal(await seen(), "", "columns have no materials");
+  await page.getByTitle("Everything about material 3").click();
+  // faster than the page is drawn
+  await page.evaluate(() => {
+    for (const [name, value] of Object.entries({ "material-transparency": "102", "material-shininess": "126", "material-emission": "#010203" })) {
+      Object.assign(document.getElementById(name), { value }).dispatchEvent(new Event("input", { bubbles: true }));
+    }
+  });
+  assert.deepEqual(await page.evaluate(() => [...atob(studio.document.binary["stem.mat"])].map((one) => one.charCodeAt(0))), [...record(2, 0), 3, 102, 9, 9, 9, 40, 120, 30, 1, 2, 3, 8, 8, 8, 126]);
+  await page.waitForFunction(() => { let found = false; studio.view.other?.traverse(({ material }) => (found ||= material?.alphaHash && Math.abs(material.opacity - 0.6) < 0.01)); return found; });
+  await keep(page, "studio-materials");
+  await page.uncheck("#show-materials");
+  await page.waitForFunction(() => studio.view.other === null);
+  assert.equal(await seen(), "");
+  await page.close();
+});
+
 test("a slider that moves two hundred times has one derivation under way and ends with its newest value", async () => {
   const page = await open(`${running.address}/#gallery=parametric-tree`);
   const before = await page.evaluate(() => studio.counts.derivations);

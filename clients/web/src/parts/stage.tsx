@@ -176,6 +176,9 @@ export function Stage({ studio, canvas, onPick }: { studio: Studio; canvas: HTML
           </select>
           <label class="chip"><input type="checkbox" checked={settings.hasShadows} onChange={(event) => { studio.view!.apply({ ...settings, hasShadows: event.currentTarget.checked }); studio.changed(); }} />shadows</label>
           <label class="chip"><input type="checkbox" checked={settings.hasGround} onChange={(event) => { studio.view!.apply({ ...settings, hasGround: event.currentTarget.checked }); studio.changed(); }} />ground</label>
+          {studio.extras.hasMaterials && (
+            <label class="chip" title="Highlights, glow and transparency of the materials, in slower pictures"><input id="show-materials" type="checkbox" checked={studio.extras.areMaterialsShown} onChange={(event) => { const { checked } = event.currentTarget; void studio.act(() => studio.extras.setMaterialsShown(checked)); }} />materials</label>
+          )}
           {figures && figures.solids > 0 && (
             <label class="chip" title="What surrounds the plant. Drag a solid to move it."><input type="checkbox" checked={settings.hasSurroundings} onChange={(event) => { studio.view!.apply({ ...settings, hasSurroundings: event.currentTarget.checked }); studio.changed(); }} />surroundings</label>
           )}

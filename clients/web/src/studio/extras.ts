@@ -2,6 +2,7 @@
 import type { Contents, FrameOf, Kind, Simulation } from "espalier";
 import { freeObject, readObject } from "../view/objects.js";
 import { hasTextures } from "./document.js";
+import { paletteFile } from "./palette.js";
 import type { Studio } from "./studio.js";
 
 type QueryTexts = Contents["queries"]["queries"];
@@ -15,6 +16,7 @@ function answered(queries: QueryTexts, replies: ReplyTexts): Array<{ position: n
 
 export class Extras {
   areQueriesShown = false;
+  areMaterialsShown = false;
   private simulation: Simulation | null = null;
   private open = new Map<Kind, { close(): Promise<void> }>();
 
@@ -25,13 +27,34 @@ export class Extras {
     await Promise.all([...this.open.values()].map((stream) => stream.close()));
     this.open.clear();
     this.simulation = simulation;
-    const { view, document } = this.studio;
+    const { view } = this.studio;
     view?.showObject(null);
     view?.showQueries(null);
     await this.setTableWanted(view?.settings.mode.startsWith("parameter") ?? false);
     await this.setQueriesShown(this.areQueriesShown);
-    // columns have no textures: the plant comes as a mesh too
-    await this.want("glb", hasTextures(document), (frame) => this.showMesh(frame));
+    await this.wantMesh();
+  }
+
+  /** Whether the folder has materials, and no textures with which they are shown anyway. */
+  get hasMaterials(): boolean {
+    const { document } = this.studio;
+    return (paletteFile(document)?.endsWith(".mat") ?? false) && !hasTextures(document);
+  }
+
+  /** Shows highlights, glow and transparency. Such pictures take longer. */
+  async setMaterialsShown(isShown: boolean): Promise<void> {
+    this.areMaterialsShown = isShown;
+    await this.wantMesh();
+    if (!this.open.has("glb")) {
+      this.studio.view?.showObject(null);
+    }
+    this.studio.changed();
+  }
+
+  /** Columns have neither textures nor materials: the plant comes as a mesh too. */
+  private wantMesh(): Promise<void> {
+    const isWanted = hasTextures(this.studio.document) || (this.areMaterialsShown && this.hasMaterials);
+    return this.want("glb", isWanted, (frame) => this.showMesh(frame));
   }
 
   /** Colours by parameter need the parameters of the modules. */
@@ -71,7 +94,7 @@ export class Extras {
     const { studio } = this;
     await Promise.all([studio.frames.held, studio.frames.isStaged]);
     // not a state on the way to the wanted one
-    if (simulation === this.simulation?.id && (studio.isRunning || step === studio.step)) {
+    if (this.open.has("glb") && simulation === this.simulation?.id && (studio.isRunning || step === studio.step)) {
       studio.view?.showObject(object, step);
     } else {
       freeObject(object);

@@ -16,10 +16,15 @@ export function texturesOf(object: Object3D): Set<Texture> {
   return new Set(all.filter((value): value is Texture => (value as Texture | null)?.isTexture === true));
 }
 
-/** The object of a binary glTF file. Leaves have two sides. */
+/** The object of a binary glTF file. Leaves have two sides, and are seen through each other without being sorted. */
 export async function readObject(bytes: ArrayBuffer): Promise<Object3D> {
   const { scene } = await loader.parseAsync(bytes, "");
-  materialsOf(scene).forEach((material) => (material.side = DoubleSide));
+  for (const material of materialsOf(scene)) {
+    material.side = DoubleSide;
+    if (material.transparent) {
+      Object.assign(material, { transparent: false, depthWrite: true, alphaHash: true });
+    }
+  }
   return scene;
 }
 
