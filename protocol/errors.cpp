@@ -34,8 +34,8 @@ Error limitError(std::string_view limit, std::uint64_t value, std::uint64_t boun
   JsonWriter data;
   data.beginObject().key("limit").text(limit).key("value").integer(value).key("bound").integer(bound).endObject();
   return {ErrorCode::Limit,
-          std::string(limit) + " is limited to " + std::to_string(bound) + ", this is " + std::to_string(value) + ". " +
-              std::string(remedy),
+          "the limit '" + std::string(limit) + "' is " + std::to_string(bound) + ", and this is " +
+              std::to_string(value) + ". " + std::string(remedy),
           data.take()};
 }
 

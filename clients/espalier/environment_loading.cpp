@@ -354,6 +354,10 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
   if (name.find_first_of("./") != std::string::npos && files.read(name)) {
     return loadFieldFile(name, compatibility, isQuiet, files, making);
   }
+  if (name.find(':') != std::string::npos) {
+    printError("'" + name + "' is no address of an environment: write tcp://HOST:PORT, unix:PATH or stdio:COMMAND");
+    return nullptr;
+  }
   return makeBuiltIn(name, "", "", making);
 }
 

@@ -87,6 +87,12 @@ void suggestPart(const CLI::App& command, int argumentCount, char** arguments) {
                                 espalier::core::suggestName(given, all));
 }
 
+// an error of the options, with the page that lists them
+void printUsageError(const CLI::Error& error, std::string_view command) {
+  const std::string help = "espalier " + std::string(command) + (command.empty() ? "" : " ") + "--help";
+  espalier::command::printError(std::string(error.what()) + "; `" + help + "` lists what it takes");
+}
+
 // names the option that was probably meant, of the command that was given
 void suggestOption(const CLI::App& program, int argumentCount, char** arguments) {
   const CLI::App* command = &program;
@@ -188,7 +194,7 @@ int main(int argumentCount, char** arguments) {
   } catch (const CLI::Success& helpOrVersion) {
     return program.exit(helpOrVersion);
   } catch (const CLI::ExtrasError& error) {
-    program.exit(error);
+    printUsageError(error, named == kCommands.end() ? "" : named->name);
     suggestOption(program, argumentCount, arguments);
     return kUsage;
   } catch (const CLI::ParseError& error) {
@@ -198,7 +204,7 @@ int main(int argumentCount, char** arguments) {
       suggestPart(*given, argumentCount, arguments);
       return kUsage;
     }
-    program.exit(error);
+    printUsageError(error, named == kCommands.end() ? "" : named->name);
     return kUsage;
   } catch (const espalier::core::InternalError& error) {
     printError(std::string("this is a bug of Espalier, please report it: ") + error.what());

@@ -243,6 +243,16 @@ std::string problemOfLimit(const std::string& text) {
   if (!isTime && entry != nullptr && !entry->isOfSimulation) {
     return "the limit " + std::string(entry->name) + " is a limit of servers, not of a run";
   }
+  if (const std::size_t equals = text.find('='); !isTime && entry == nullptr && equals != std::string::npos) {
+    std::vector<std::string_view> names{kSeconds.substr(0, kSeconds.size() - 1)};
+    for (const server::LimitEntry& known : server::limitEntries()) {
+      if (known.isOfSimulation) {
+        names.push_back(known.name);
+      }
+    }
+    const std::string name = text.substr(0, equals);
+    return "there is no limit '" + name + "'. " + core::suggestName(name, names);
+  }
   std::string problem = server::setLimit(limits, isTime ? serverSeconds(text) : text).value_or(std::string{});
   if (const std::size_t at = problem.find(kServerSeconds); isTime && at != std::string::npos) {
     problem.replace(at, kServerSeconds.size(), "seconds");

@@ -10,10 +10,11 @@ namespace {
 std::string sentenceOf(const protocol::Error& error, const std::string& address, bool isPlain) {
   if (error.code == protocol::ErrorCode::Unauthorised) {
     return "The server at " + address + " refuses the connection. " + error.message +
-           " Here a token is given with --token-file or --token.";
+           " Give a token with --token-file or --token.";
   }
   const bool isLost = error.message.starts_with("The connection to the server is lost");
-  return isPlain && isLost ? error.message + " If the server is encrypted, write tls://" + address + "."
+  return isPlain && isLost ? error.message + " If this is the port of --http, write ws://" + address +
+                                 "; if the server is encrypted, tls://" + address + "."
                            : error.message;
 }
 

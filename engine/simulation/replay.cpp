@@ -130,7 +130,7 @@ class ReplayProcess final : public turtle::EnvironmentProcess {
       return "the recorded run asks from " + placeOf(recorded, query) + " instead.";
     }
     if (recorded.symbol[query] != now.symbol[query]) {
-      return "the recorded query comes from another symbol.";
+      return "the recorded query comes from a module of another name.";
     }
     const auto before = recorded.parametersOf(query);
     const auto after = now.parametersOf(query);

@@ -347,7 +347,7 @@ class Download final : public std::enable_shared_from_this<Download> {
     try {
       return make();
     } catch (const TooLarge&) {
-      return problemPage(413, "blockBytes is limited to " + std::to_string(bound()) +
+      return problemPage(413, "the limit 'blockBytes' is " + std::to_string(bound()) +
                                   ", and this is larger. Export less, or start the server with a higher --limit "
                                   "blockBytes=N.");
     } catch (const core::WorkStopped&) {

@@ -30,7 +30,7 @@ std::unique_ptr<ChannelLink> ChannelLink::tcp(std::string address, const Channel
     return std::make_unique<Transport>(std::move(*dialled), Descriptor(), nullptr, limits);
   };
   return std::unique_ptr<ChannelLink>(new ChannelLink("environment tcp://" + address,
-                                                      "Start it again at " + address + ", then ask for the step again.",
+                                                      "Start it again at " + address + ", then try again.",
                                                       std::move(dialer), options));
 }
 
@@ -44,7 +44,7 @@ std::unique_ptr<ChannelLink> ChannelLink::unixSocket(std::string path, const Cha
     return std::make_unique<Transport>(std::move(*dialled), Descriptor(), nullptr, limits);
   };
   return std::unique_ptr<ChannelLink>(new ChannelLink("environment unix:" + path,
-                                                      "Start it again at " + path + ", then ask for the step again.",
+                                                      "Start it again at " + path + ", then try again.",
                                                       std::move(dialer), options));
 }
 
@@ -74,7 +74,7 @@ std::unique_ptr<ChannelLink> ChannelLink::started(const std::string& name, Start
   };
   return std::unique_ptr<ChannelLink>(
       new ChannelLink("environment 'stdio:" + name + "'",
-                      "Run the command by hand to see what is wrong; asking for the step again starts it again.",
+                      "Run the command by hand to see what is wrong.",
                       std::move(dialer), options));
 }
 

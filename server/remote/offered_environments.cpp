@@ -92,7 +92,7 @@ std::size_t OfferedEnvironments::count(const AskedPeer* peer) const {
 }
 
 std::string OfferedLink::remedy() const {
-  return "Connect it again and offer it as '" + name_ + "', then ask for the step again.";
+  return "Connect it again and offer it as '" + name_ + "', then try again.";
 }
 
 std::shared_ptr<AskedPeer> OfferedLink::peerOf(const std::optional<OfferedEnvironments::Offer>& offer) const {

@@ -51,7 +51,7 @@ turtle::EnvironmentError RemoteProcess::errorOf(const LinkFailure& failure, cons
                                      failure.error.code != protocol::ErrorCode::StaleStep &&
                                      protocol::memberOf(failure.error.data, "retryable") != "false");
   error.message = link_->label() + " " + failure.message + " (" + during + "). ";
-  error.message += isRefused ? "Correct what it says, then ask again." : link_->remedy();
+  error.message += isRefused ? "Mend what the environment complains about, then try again." : link_->remedy();
   return error;
 }
 
@@ -196,7 +196,7 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
     return error;
   }
   const std::string during =
-      "step " + std::to_string(queries.step) + ", " + std::to_string(queries.size()) + " queries";
+      "step " + std::to_string(queries.step) + ", " + std::to_string(queries.size()) + (queries.size() == 1 ? " query" : " queries");
   const std::string simulation = context_ ? context_->simulation : std::string("simulation");
   const std::vector<std::string> symbols = context_ ? context_->symbols : std::vector<std::string>();
   auto params = toStepParams(simulation, queries, description_.needs, symbols);

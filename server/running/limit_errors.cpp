@@ -11,7 +11,7 @@ protocol::Error callSecondsError(std::uint64_t bound, const std::string& outcome
     data.key("step").integer(*step);
   }
   return {protocol::ErrorCode::Limit,
-          "callSeconds is limited to " + std::to_string(bound) + ", and this has computed longer. " + outcome +
+          "the limit 'callSeconds' is " + std::to_string(bound) + ", and this has computed longer. " + outcome +
               " Use a smaller model, or start the server with a higher --limit callSeconds=N.",
           data.endObject().take()};
 }

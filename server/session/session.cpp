@@ -274,8 +274,9 @@ void Session::onHello(const protocol::Message& message) {
     takesHeartbeats_ =
         std::find(hello.capabilities.begin(), hello.capabilities.end(), "heartbeat") != hello.capabilities.end();
   }
-  core_->log().info((hello.name.empty() ? std::string("a peer") : hello.name) + " " + hello.version + " from " +
-                        connection_->peerName() + " is " + grant_.roles.text(),
+  core_->log().info((hello.name.empty() ? std::string("a peer") : hello.name) +
+                        (hello.version.empty() ? "" : " " + hello.version) + " from " + connection_->peerName() +
+                        " has the role " + grant_.roles.text(),
                     {.session = id_, .token = tokenName()});
   std::vector<std::pair<std::string, std::uint64_t>> limits;
   for (const LimitEntry& entry : limitEntries()) {

@@ -126,7 +126,7 @@ TEST_F(Cli, LimitsAreOptionsAndErrorsNameThem) {
 TEST_F(Cli, AWarningOfARunIsMarkedOnce) {
   folder_.write("warn.l", "Lsystem: 1\nderivation length: 1\nAxiom: A(0)@x\nA(n) --> A(1/n)?P(0)\nendlsystem\n");
   const std::string errors = run("derive warn.l --steps 2").errors;
-  EXPECT_TRUE(contains("\n" + errors, "\nwarning: the turtle knows no '@x'")) << errors;
+  EXPECT_TRUE(contains("\n" + errors, "\nwarning: the turtle has no command '@x'")) << errors;
   EXPECT_TRUE(contains(errors, "warn.l:4:12: warning: division by 0")) << errors;
   EXPECT_FALSE(contains(errors, "warning: warn.l")) << errors;
 }

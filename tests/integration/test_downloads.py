@@ -144,7 +144,7 @@ class Downloads(unittest.TestCase):
             name = client.create(MODEL, environment=[{"type": "height"}]).identifier
             status, text = self.text(f"/simulations/{name}/plant.png")
             self.assertEqual(status, 413)
-            self.assertIn("blockBytes is limited to 1000, and this is larger.", text)
+            self.assertIn("the limit 'blockBytes' is 1000, and this is larger.", text)
 
 
 if __name__ == "__main__":

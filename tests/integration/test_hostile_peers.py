@@ -303,7 +303,7 @@ class Hostile(unittest.TestCase):
                     {"type": "stdio", "command": stdio([sys.executable, "-c", script, str(length)])[len("stdio:"):]}]).step()
 
             grown(2000)
-            with self.assertRaisesRegex(ServerError, "lineBytes is limited to 2000") as caught:
+            with self.assertRaisesRegex(ServerError, "the limit 'lineBytes' is 2000") as caught:
                 grown(2001)
             self.assertEqual(caught.exception.code, 1006)
 

@@ -223,7 +223,7 @@ class Roles(unittest.TestCase):
         client = server.connect(timeout=SECONDS)
         self.addCleanup(client.close)
         first = client.create(SOURCE, environment=[{"type": "height"}])
-        with self.assertRaisesRegex(ServerError, "simulations is limited to 1,"):
+        with self.assertRaisesRegex(ServerError, "the limit 'simulations' is 1,"):
             client.create(SOURCE, environment=[{"type": "height"}])
         # a bound of the server at once, one of simulations for later ones; the command line wins
         write({"simulations": 3, "modules": 5, "openFiles": 4, "accountStreams": 1, "memoryBytes": 123_456_789})
@@ -239,7 +239,7 @@ class Roles(unittest.TestCase):
             second.step(8)
         self.assertEqual(client.call("server.status")["memory"]["boundBytes"], 123_456_789)
         client.call("stream.open", {"simulation": first.identifier, "what": "string"})
-        with self.assertRaisesRegex(ServerError, "accountStreams is limited to 1,"):
+        with self.assertRaisesRegex(ServerError, "the limit 'accountStreams' is 1,"):
             client.call("stream.open", {"simulation": first.identifier, "what": "string"})
         # the limits that a peer is told are the present ones
         raw = Raw(server.address, hello())

@@ -130,14 +130,14 @@ TEST(MessageReader, ABlockAtItsBoundIsReadAndOneByteMoreLosesTheFraming) {
   narrow.allowBlocks();
   narrow.feed(bytes);
   EXPECT_FALSE(narrow.next().has_value());
-  EXPECT_EQ(narrow.lost()->message.find("blockBytes is limited to 47, this is 48. "), 0U) << narrow.lost()->message;
+  EXPECT_EQ(narrow.lost()->message.find("the limit 'blockBytes' is 47, and this is 48. "), 0U) << narrow.lost()->message;
 }
 
 TEST(MessageReader, ALineBeyondItsBoundLosesTheFraming) {
   MessageReader reader{{.lineBytes = 10, .blockBytes = 100}};
   reader.feed("01234567890");
   EXPECT_FALSE(reader.next().has_value());
-  EXPECT_EQ(reader.lost()->message.find("lineBytes is limited to 10, this is 11. "), 0U);
+  EXPECT_EQ(reader.lost()->message.find("the limit 'lineBytes' is 10, and this is 11. "), 0U);
 }
 
 TEST(MessageReader, AMessageWithWrongBlocksIsRefusedAndTheNextOneRead) {

@@ -132,7 +132,7 @@ TEST(LimitsInUse, ASessionMakesAsManySimulationsAsItMayAndAnotherItsOwn) {
     EXPECT_EQ(static_cast<int>(error.code), 1004);
     EXPECT_EQ(error.data, R"({"bound":2,"limit":"simulationsPerSession","value":3})");
     EXPECT_EQ(error.message,
-              "simulationsPerSession is limited to 2, this is 3. Delete one that this connection made first.");
+              "the limit 'simulationsPerSession' is 2, and this is 3. Delete one that this connection made first.");
   }
   (void)create(*connectTo(server), kGrowth);
   // who deletes it does not matter
@@ -201,7 +201,7 @@ TEST(LimitsInUse, AnAnswerIsAsLongAsTheOutboxAndNotLonger) {
   EXPECT_EQ(static_cast<int>(error.code), 1004);
   EXPECT_EQ(error.data, R"({"bound":20000,"limit":"outboxBytes","value":20001})");
   EXPECT_EQ(error.message,
-            "outboxBytes is limited to 20000, this is 20001. Ask for less at a time, or start the server with a higher "
+            "the limit 'outboxBytes' is 20000, and this is 20001. Ask for less at a time, or start the server with a higher "
             "--limit outboxBytes=N.");
 }
 

@@ -360,7 +360,7 @@ TEST(Server, LimitsAreNamedInTheErrorsTheyCause) {
   (void)create(*client, kGrowth);
   const auto error = errorOf(client->request("simulation.create", createParams(kGrowth)));
   EXPECT_EQ(static_cast<int>(error.code), 1004);
-  EXPECT_EQ(error.message, "simulations is limited to 1, this is 2. Delete one first.");
+  EXPECT_EQ(error.message, "the limit 'simulations' is 1, and this is 2. Delete one first.");
 }
 
 TEST(Server, AModuleLimitStopsTheStepAndTheSimulationStays) {
@@ -524,7 +524,7 @@ TEST(Server, ACallBeyondItsSecondsIsEndedAndTheSimulationStays) {
   const auto error = errorOf(client->request("simulation.step", named(simulation, R"("steps":5)")));
   EXPECT_EQ(static_cast<int>(error.code), 1004);
   EXPECT_EQ(error.message,
-            "callSeconds is limited to 1, and this has computed longer. The simulation stays at step 0. Use a smaller "
+            "the limit 'callSeconds' is 1, and this has computed longer. The simulation stays at step 0. Use a smaller "
             "model, or start the server with a higher --limit callSeconds=N.");
   EXPECT_EQ(error.data, R"({"bound":1,"limit":"callSeconds","step":0,"value":2})");
   EXPECT_EQ(member(resultOf(client->request("simulation.get", named(simulation, R"("what":"statistics")"))), "step"),
@@ -536,7 +536,7 @@ TEST(Server, ACallBeyondItsSecondsIsEndedAndTheSimulationStays) {
           "Lsystem: 1\nStart: {i = 0; while (i < 1000000000000) {i = i + 1;}}\nAxiom: A\nA --> A\nendlsystem\n")));
   EXPECT_EQ(
       unmade.message,
-      "callSeconds is limited to 1, and this has computed longer. Nothing was created. Use a smaller model, or start "
+      "the limit 'callSeconds' is 1, and this has computed longer. Nothing was created. Use a smaller model, or start "
       "the server with a higher --limit callSeconds=N.");
 }
 

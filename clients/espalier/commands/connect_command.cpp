@@ -459,7 +459,7 @@ void addConnect(CLI::App& program, int& status) {
 
   action = addAction(*command, options, "get", "Print one part of the state of a simulation", get);
   addSimulation(action, options);
-  action->add_option("WHAT", options->what, "string, statistics, state-hash, turtle, model or information")
+  action->add_option("WHAT", options->what, "A value of `what` in simulation.get, as string, statistics, state-hash, turtle, model, information, environment or productions")
       ->capture_default_str();
   action->add_option("--plant", options->plant, "Number of the plant, from 0")->capture_default_str();
 

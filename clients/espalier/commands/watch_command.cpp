@@ -108,7 +108,7 @@ int watch(const WatchOptions& options) {
     static_cast<void>(files.read(options.model.model));
     draw(options, files);
     if (interruptions == 0 && !options.model.isQuiet) {
-      printNote("watching " + std::to_string(files.count()) + " files; press Ctrl-C to end");
+      printNote("watching " + std::to_string(files.count()) + (files.count() == 1 ? " file" : " files") + "; press Ctrl-C to end");
     }
     while (interruptions == 0 && !files.haveChanged()) {
       std::this_thread::sleep_for(kPollInterval);

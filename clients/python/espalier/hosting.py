@@ -142,7 +142,7 @@ class Host:
         if parameters.get("resume") is not None and opening.simulation in self._simulations:
             return {}
         if opening.simulation not in self._simulations and len(self._simulations) >= SIMULATIONS:
-            raise wire.Refusal(LIMIT, f"simulations is limited to {SIMULATIONS}, this is one more. Close simulations of this "
+            raise wire.Refusal(LIMIT, f"the limit 'simulations' is {SIMULATIONS}, and this is one more. Close simulations of this "
                                "connection, or connect again for more.",
                                {"limit": "simulations", "value": SIMULATIONS + 1, "bound": SIMULATIONS})
         simulation = _Simulation(self._given or self._run("__init__()", self._class))

@@ -212,10 +212,10 @@ test("a connection that the server ends tells why", async () => {
   const peer = await connect(address, { reconnect: false });
   await assert.rejects(peer.create({ model: { source: "x".repeat(200_000) } }), (error) => {
     assert.ok(error instanceof ConnectionLost);
-    assert.match(error.message, /lost: lineBytes is limited to 100000/);
+    assert.match(error.message, /lost: the limit 'lineBytes' is 100000/);
     return true;
   });
-  await assert.rejects(peer.gallery(), /closed: lineBytes is limited to 100000/);
+  await assert.rejects(peer.gallery(), /closed: the limit 'lineBytes' is 100000/);
   peer.close();
   server.kill();
   await ended(server);

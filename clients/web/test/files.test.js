@@ -240,6 +240,8 @@ test("sliders are made for numeric macros only, and write a number as it was mea
     assert.ok(low <= value && value <= high && step > 0, String(value));
   }
   assert.equal(model.numberText(0.30000000000000004, 0.01), "0.3");
+  assert.equal(model.numberText(4e-13, 1e-15), "4e-13");
+  assert.equal(model.guessedRange(1e308).high, Number.MAX_VALUE);
 });
 
 test("a colour changes three bytes of a colour map, and a part of a material its bytes of the last record", () => {
@@ -249,9 +251,15 @@ test("a colour changes three bytes of a colour map, and a part of a material its
   assert.deepEqual([...changed.entries()].filter(([i, byte]) => byte !== map[i]), [[21, 1], [22, 2], [23, 3]]);
   const record = (index, diffuse, emission) => [index, 0, 9, 9, 9, ...diffuse, ...emission, 8, 8, 8, 20];
   const materials = Uint8Array.from([...record(3, [10, 20, 30], [5, 0, 0]), ...record(4, [1, 1, 1], [0, 0, 0]), ...record(3, [100, 0, 0], [10, 0, 0])]);
-  const document = { files: { specifications: "a.l a.v -M1 a.mat\n" }, binary: { "a.mat": Buffer.from(materials).toString("base64") } };
+  const document = { main: "a.l", files: { specifications: "\tcpfg -M1 a.mat a.l a.v\n" }, binary: { "a.mat": Buffer.from(materials).toString("base64") } };
   assert.equal(palette.paletteFile(document), "a.mat");
   assert.deepEqual(palette.folderPalette(document).colours.slice(3, 6), [[110, 0, 0], [1, 1, 1], [255, 255, 255]]);
+  // the command of the model counts, on it the kind of the last switch, and of several files the first 256 colours
+  const files = (specifications, main = "b.l") => palette.paletteFile({ main, files: { specifications }, binary: { "a.map": "", "b.map": "", "c++.map": "", "b.mat": "" } });
+  assert.equal(files("\tcpfg -m a.map a.l a.v\n\tcpfg -m b.map b.l b.v\n"), "b.map");
+  assert.equal(files("\tcpfg -m a.map -M b.mat b.l b.v\n"), "b.mat");
+  assert.equal(files("\tcpfg -M b.mat -m c++.map b.l b.v\n"), "c++.map");
+  assert.equal(files("\tcpfg -m1 a.map -m2 b.map b.l b.v\n"), "a.map");
   const painted = Buffer.from(palette.withColour("a.mat", document.binary["a.mat"], 3, [60, 5, 250]), "base64");
   assert.deepEqual([...painted.entries()].filter(([i, byte]) => byte !== materials[i]), [[35, 50], [36, 5], [37, 250]]);
   const shining = Buffer.from(palette.withMaterial(document.binary["a.mat"], 3, { shininess: 90, specular: [8, 200, 8], transparency: 7 }), "base64");
@@ -348,6 +356,32 @@ test("a film has all its pictures at their times, for another program's reader",
   } finally {
     rmSync(place, { recursive: true });
   }
+});
+
+test("a card that draws slowly is found, and a busy page is not taken for one", async () => {
+  const { GpuClock } = await load("../view/frames.ts");
+  globalThis.document = { hidden: false };
+  const begins = [];
+  const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
+  const clockOf = (drawn, busy) => {
+    const context = { SIGNALED: 1, SYNC_GPU_COMMANDS_COMPLETE: 0, SYNC_STATUS: 0, fenceSync: () => ({ begun: performance.now() }), flush() {}, deleteSync() {}, isContextLost: () => false };
+    context.getSyncParameter = (sync) => (performance.now() - sync.begun >= drawn ? 1 : 0);
+    const found = { slow: 0, ready: 0 };
+    const clock = new GpuClock(context, () => ++found.slow, () => ++found.ready);
+    clock.start();
+    return { found, draw: () => { clock.begin(); for (const end = performance.now() + busy; performance.now() < end; ) begins.push(0); } };
+  };
+  for (const [drawn, busy, slow] of [[100, 0, 1], [0, 90, 0], [5, 0, 0]]) {
+    const { found, draw } = clockOf(drawn, busy);
+    for (let i = 0; i < 2; ++i) {
+      draw();
+      while (found.ready === i) {
+        await pause(5);
+      }
+    }
+    assert.equal(found.slow, slow, `${drawn} ms, busy for ${busy} ms`);
+  }
+  delete globalThis.document;
 });
 
 test("a frame that comes before the page has a view is shown, also when it is newer than the last answer", async () => {

@@ -162,6 +162,32 @@ test("plants of many seeds are saved in one archive, and a turn around the plant
   await page.close();
 });
 
+test("a film has the mesh of each step where a model has textures, and ends when another model is opened", async () => {
+  const page = await open(`${running.address}/#gallery=textured-tree`);
+  await page.waitForFunction(() => document.getElementById("plant").dataset.textured === "7");
+  await page.evaluate(() => {
+    window.seen = [];
+    const composed = studio.view.composed.bind(studio.view);
+    studio.view.composed = () => (window.seen.push(`${studio.view.element.dataset.step}/${studio.view.element.dataset.textured}`), composed());
+  });
+  await page.click("#open-export");
+  await Promise.all([page.waitForEvent("download"), page.click("#film")]);
+  assert.deepEqual(await page.evaluate(() => seen), [...Array.from({ length: 8 }, (_, i) => `${i}/${i}`), "7/7"]);
+  // a film of many steps; meanwhile another model
+  const opened = (title, length) => page.evaluate(([name, steps]) => studio.openDocument({ title: name, main: "m.l", binary: {}, environment: null, gallery: null, files: { "m.l": `Lsystem: 1\nderivation length: ${steps}\nAxiom: A\nA --> F[+F]A\nendlsystem\n` } }), [title, length]);
+  await opened("long", 200);
+  await shown(page);
+  await page.click("#open-export");
+  const saved = page.waitForEvent("download");
+  await page.click("#film");
+  await page.waitForFunction(() => studio.step > 2 && studio.step < 150);
+  await opened("short", 3);
+  assert.equal((await saved).suggestedFilename(), "long.webm");
+  await page.waitForFunction(() => studio.longWork === null && studio.counts.waiting === 0);
+  assert.equal(await page.evaluate(() => `${studio.document.title} ${studio.step}`), "short 3");
+  await page.close();
+});
+
 test("no page had an error, or asked for anything that its policy forbids", () => {
   assert.deepEqual(problems, []);
 });

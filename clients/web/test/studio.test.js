@@ -114,6 +114,28 @@ test("a material is changed in all its parts, and seen when it is", async () => 
   assert.deepEqual(await page.evaluate(() => [...atob(studio.document.binary["stem.mat"])].map((one) => one.charCodeAt(0))), [...record(2, 0), 3, 102, 9, 9, 9, 40, 120, 30, 1, 2, 3, 8, 8, 8, 126]);
   await page.waitForFunction(() => { let found = false; studio.view.other?.traverse(({ material }) => (found ||= material?.alphaHash && Math.abs(material.opacity - 0.6) < 0.01)); return found; });
   await keep(page, "studio-materials");
+  // the three changes are one, as of a drag; Ctrl Z takes them back and not the text before
+  const bytes = () => page.evaluate(() => studio.document.binary["stem.mat"]);
+  const changed = await bytes();
+  await page.locator("body").click({ position: { x: 5, y: 5 } });
+  await page.keyboard.press("Control+z");
+  await page.waitForFunction((one) => studio.document.binary["stem.mat"] !== one, changed);
+  assert.deepEqual([...Buffer.from(await bytes(), "base64")], [...record(2, 0), ...record(3, 0)]);
+  await page.keyboard.press("Control+y");
+  await page.waitForFunction((one) => studio.document.binary["stem.mat"] === one, changed);
+  // what was pruned stays pruned
+  await page.evaluate(() => studio.act(() => studio.pick({ plant: 0, module: 4, symbol: "F", order: 0, kind: "segment", position: [0, 0, 0] })));
+  await page.evaluate(() => studio.act(() => studio.change("prune")));
+  const pruned = await stringOf(page);
+  await page.fill("#colour-2", "#102030");
+  await page.waitForFunction(() => studio.counts.waiting === 0 && studio.palette.colours[2][2] === 0x30);
+  assert.equal(await stringOf(page), pruned);
+  // the newest wish counts
+  await page.evaluate(() => { const box = document.getElementById("show-materials"); box.click(); box.click(); box.click(); });
+  await page.waitForTimeout(500);
+  assert.equal(await page.evaluate(() => studio.view.other), null);
+  await page.check("#show-materials");
+  await page.waitForFunction(() => studio.view.other !== null);
   await page.uncheck("#show-materials");
   await page.waitForFunction(() => studio.view.other === null);
   assert.equal(await seen(), "");

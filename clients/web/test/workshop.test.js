@@ -42,13 +42,18 @@ test("a fork stands beside the plant: both make the same steps, one camera looks
   // back, and the other one is worked on
   await page.evaluate(() => studio.goTo(studio.length - 1));
   await beside(last - 1);
+  // the link to watch is that of the plant on the left
+  const shared = await page.evaluate(() => studio.simulation.id);
   await page.click("#swap");
   await page.waitForFunction(() => studio.counts.waiting === 0);
+  assert.equal(await page.evaluate(() => studio.simulation.id), shared);
   await page.evaluate(() => studio.goTo(studio.length));
   await page.waitForFunction(async (wanted) => studio.counts.waiting === 0 && (await studio.simulation.string()) === wanted, whole);
   await page.keyboard.press("b");
   await page.waitForFunction(() => !document.getElementById("plant-beside"));
-  await page.waitForFunction(async () => (await studio.list(), !studio.simulations.some(({ name }) => name.includes("fork"))));
+  await page.waitForFunction(async () => (await studio.list(), studio.simulations.filter(({ name }) => name.startsWith("parametric-tree")).length === 1));
+  assert.deepEqual(await page.evaluate(() => studio.simulations.map(({ simulation }) => simulation).filter((id) => id === studio.simulation.id)), [shared]);
+  assert.equal(await stringOf(page), whole);
   await page.close();
 });
 
@@ -259,6 +264,7 @@ test("a model is saved on the server, opened again, and two people do not write 
   await keep(page, "studio-save-on-server");
   await page.click("#save-on-server button.primary");
   await page.waitForFunction(() => document.getElementById("message").textContent === "Saved on the server as “our trees”." && !studio.isChanged);
+  assert.equal(await page.evaluate(() => studio.shownTitle), "our trees", "the plant is still the same one");
   await page.keyboard.press("Escape");
   const kept = spawnSync(program, ["derive", join(models, "our trees"), "--seed", String(await page.evaluate(() => studio.seed))], { encoding: "utf8", maxBuffer: 1e9 });
   assert.ok(kept.stdout.trim() === grown, "the command line derives the same plant");

@@ -228,6 +228,9 @@ void Parser::parseItems(LSystemSyntax& system) {
           }
           continue;
         }
+        if (near == "axiom" || lowered.starts_with("axiom ")) {
+          hint = "write a ':' behind 'Axiom'";
+        }
         if (!lexer_.isFreeSyntax() && lexer_.lineIsIndented(token.range.begin)) {
           hint = tabHint();
         }

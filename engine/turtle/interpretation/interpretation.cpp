@@ -332,7 +332,7 @@ std::uint64_t Interpretation::executeAt(const Sequence& sequence, std::uint64_t 
     }
   }
   // unknown: the symbols behind it are interpreted on their own
-  warnOnce("the turtle knows no '@" + name + "'; the symbols after the '@' are interpreted on their own");
+  warnOnce("the turtle has no command '@" + name + "': the symbols after the '@' are interpreted on their own");
   return 1;
 }
 

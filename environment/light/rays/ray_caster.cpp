@@ -275,10 +275,10 @@ RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, 
   const double end = way[upright] == 0.0
                          ? 0.0
                          : ((way[upright] > 0.0 ? tree_->highest : tree_->lowest) - place[upright]) / way[upright];
-  constexpr int kMostPlots = 10'000'000;  // a ray that is nearly level passes more of a narrow plot than are computed
+  constexpr int kMostBorders = 10'000'000;  // a ray that is nearly level passes more of a narrow plot than are computed
   double from = tree_->margin;
   double passed = 0.0;
-  for (int plots = 0; passed <= end && plots < kMostPlots; ++plots) {
+  for (int plots = 0; passed <= end && plots < kMostBorders; ++plots) {
     if (plots % 1024 == 1023) {
       core::pollWork();
     }

@@ -179,8 +179,8 @@ std::vector<core::Diagnostic> checkLightVoxels(const Configuration& configuratio
       add("'scattering' needs the method turbid", "leave one of the two out");
     }
     if (std::ranges::any_of(configuration.numbers("absorptance"), [](double part) { return part != 1.0; })) {
-      add("'absorptance' and 'scattering' both say what leaves take",
-          "leave 'absorptance' out: leaves take 1 - reflectance - transmittance");
+      add("'absorptance' and 'scattering' set the same thing",
+          "remove 'absorptance': it is 1 - reflectance - transmittance");
     }
   } else if (configuration.text("sensor") == "fluxes") {
     add("a 'sensor' of fluxes needs 'scattering'", "write \"scattering\": true");

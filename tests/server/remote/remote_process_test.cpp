@@ -148,7 +148,7 @@ TEST(RemoteProcess, OneThatCannotBeReachedIsGivenUpInTime) {
   EXPECT_EQ(static_cast<int>(error.code), 1006);
   EXPECT_EQ(error.message, "environment tcp://" + port.address() + " is not there: cannot connect to " +
                                port.address() + ": Connection timed out (while connecting). Start it again at " +
-                               port.address() + ", then ask for the step again.");
+                               port.address() + ", then try again.");
 }
 
 TEST(RemoteProcess, ASilentEnvironmentTimesOutAndOthersAreNotStarved) {

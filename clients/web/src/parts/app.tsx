@@ -144,7 +144,7 @@ function keyPressed(event: KeyboardEvent, studio: Studio, setOpen: (open: Window
     const key = event.key.toLowerCase();
     if (key === "z" || key === "y") {
       event.preventDefault();
-      studio.onUndo(key === "y" || event.shiftKey);
+      studio.undo(key === "y" || event.shiftKey);
     }
     return;
   }

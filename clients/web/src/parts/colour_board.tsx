@@ -11,7 +11,7 @@ const numbers = (text: string): [number, number, number] => [1, 3, 5].map((at) =
 
 const COLOURS = [
   ["diffuse", "in the light"],
-  ["ambient", "in the shade"],
+  ["ambient", "in the shade, in pictures of espalier run"],
   ["emission", "glow"],
   ["specular", "highlights"],
 ] as const;
@@ -51,7 +51,9 @@ export function ColourBoard({ studio }: { studio: Studio }) {
   const change = (changed: (bytes: string) => string) => void studio.act(() => studio.recolour(name, changed(studio.document.binary[name])));
   const choose = (index: number) => {
     setChosen(index === chosen ? null : index);
-    void studio.act(() => studio.extras.setMaterialsShown(true));
+    if (index !== chosen) {
+      void studio.act(() => studio.extras.setMaterialsShown(true));
+    }
   };
   return (
     <section class="colours" aria-label={`Colours of ${name}`}>
@@ -67,7 +69,7 @@ export function ColourBoard({ studio }: { studio: Studio }) {
         ))}
       </div>
       {used.length > MOST && <p class="quiet">The plant uses {used.length} colours; the first {MOST} are here.</p>}
-      {hasMaterials && chosen !== null && <MaterialForm index={chosen} material={materialOf(studio.document.binary[name], chosen)} onChange={(parts) => change((bytes) => withMaterial(bytes, chosen, parts))} />}
+      {hasMaterials && chosen !== null && used.includes(chosen) && <MaterialForm index={chosen} material={materialOf(studio.document.binary[name], chosen)} onChange={(parts) => change((bytes) => withMaterial(bytes, chosen, parts))} />}
     </section>
   );
 }

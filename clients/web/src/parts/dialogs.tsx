@@ -127,7 +127,8 @@ export async function openFiles(studio: Studio, list: FileList): Promise<void> {
   for (const file of list) {
     const bytes = new Uint8Array(await file.arrayBuffer());
     try {
-      if (bytes.includes(0)) {
+      // a small colour map may look like a text
+      if (bytes.includes(0) || /\.(map|mat)$/.test(file.name)) {
         throw new Error("not a text");
       }
       files[file.name] = new TextDecoder("utf-8", { fatal: true }).decode(bytes);
@@ -233,7 +234,7 @@ export function ExportDialog({ studio, onClose }: { studio: Studio; onClose: () 
       </div>
       <h3>The plant at step {studio.step}</h3>
       <div class="list">
-        <button type="button" id="save-view" disabled={!studio.view} onClick={() => void studio.act(async () => download(`${name}-view.png`, await studio.view!.picture()))}>The view as a picture</button>
+        <button type="button" id="save-view" disabled={!studio.view} onClick={() => void studio.act(async () => (await studio.extras.meshOf(studio.step), download(`${name}-view.png`, await studio.view!.picture())))}>The view as a picture</button>
         <button type="button" id="film" disabled={!studio.simulation || !studio.isOwn || studio.step === 0} onClick={() => film("", filmGrowth)}>WebM: a film of the growth</button>
         <button type="button" id="film-turn" disabled={!studio.simulation} onClick={() => film("-turn", filmTurn)}>WebM: a turn around the plant</button>
         {EXPORTS.map(([suffix, label]) => (

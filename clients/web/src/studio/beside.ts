@@ -1,10 +1,12 @@
 // A second plant beside the first: a fork of it, from the step in which it was made. The first one goes its own way from there.
+import { Code, ServerError } from "espalier";
 import type { Simulation, Statistics, Stream } from "espalier";
 import type { ModelPalette } from "../view/colours.js";
 import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { Document } from "./document.js";
 import { History } from "./history.js";
+import { createPlant } from "./plants.js";
 import type { Studio } from "./studio.js";
 
 /** A plant with its past. */
@@ -113,18 +115,44 @@ export class Beside {
     this.studio.changed();
   }
 
-  /** The plant beside becomes the first one, and the first one stands beside. */
+  /**
+   * The plant beside becomes the first one, and the first one stands beside. The two simulations exchange their states: pages that watch
+   * the first one follow.
+   */
   async swap(): Promise<void> {
     const { studio } = this;
     await studio.inTurn(async () => {
       const [first, second] = [studio.growth(), this.growth];
       if (second) {
-        await studio.take(second);
+        const [left, right] = await Promise.all([first.simulation.save(), second.simulation.save()]);
+        const simulation = await this.become(first.simulation, second, right);
+        await studio.take({ ...second, simulation });
         this.view?.setPalette(first.palette);
-        this.put(first);
+        this.put({ ...first, simulation: await this.become(second.simulation, first, left) });
       }
     });
     await this.watch();
+  }
+
+  /** Gives a simulation the plant of `growth`, whose state is `snapshot`. */
+  private async become(simulation: Simulation, growth: Growth, snapshot: string): Promise<Simulation> {
+    const restored = (into: Simulation) =>
+      into.restore(snapshot).catch((error) => {
+        if (!(error instanceof ServerError && error.code === Code.snapshot)) {
+          throw error;
+        }
+        return null;
+      });
+    if (await restored(simulation)) {
+      return simulation;
+    }
+    // it has another text
+    const made = await createPlant(this.studio.client, growth.document, growth.seed, simulation.id);
+    if (!(await restored(made))) {
+      growth.history.clear();
+      await made.stepUntil(growth.step);
+    }
+    return made;
   }
 
   /** Deletes it. */

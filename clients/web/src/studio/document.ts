@@ -136,7 +136,7 @@ export function definesOfDocument(document: Document): Define[] {
 /** A number as a person writes it: no more digits than the step of a slider has. */
 export function numberText(value: number, step: number): string {
   const digits = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
-  return String(Number(value.toFixed(Math.min(digits, 12))));
+  return String(digits > 12 ? Number(value.toPrecision(6)) : Number(value.toFixed(digits)));
 }
 
 /** A range for a slider around the value in the file. */
@@ -149,7 +149,7 @@ export function guessedRange(value: number): { low: number; high: number; step: 
     return { low: value < 0 ? 2 * value : 0, high: value < 0 ? 0 : Math.max(2 * value, 5), step: 1 };
   }
   // numbers between 0 and 1 are often fractions
-  const high = size < 1 && size >= 0.1 ? 1 : 2 * size;
+  const high = size < 1 && size >= 0.1 ? 1 : Math.min(2 * size, Number.MAX_VALUE);
   const step = 10 ** (Math.floor(Math.log10(high)) - 2);
   return { low: value < 0 ? -high : 0, high: value < 0 ? 0 : high, step };
 }

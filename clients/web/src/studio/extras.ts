@@ -1,5 +1,6 @@
 // Streams that only some pages need: parameters for colours, queries, meshes with textures.
 import type { Contents, FrameOf, Kind, Simulation } from "espalier";
+import { nextFrame } from "../view/frames.js";
 import { freeObject, readObject } from "../view/objects.js";
 import { hasTextures } from "./document.js";
 import { paletteFile } from "./palette.js";
@@ -14,19 +15,25 @@ function answered(queries: QueryTexts, replies: ReplyTexts): Array<{ position: n
   return (queries ?? []).filter(({ position }) => position?.length === 3).map(({ id, position }) => ({ position: position!, answer: answers.get(id) ?? NaN }));
 }
 
+const MESH_MILLISECONDS = 20_000;
+
 export class Extras {
   areQueriesShown = false;
   areMaterialsShown = false;
   private simulation: Simulation | null = null;
   private open = new Map<Kind, { close(): Promise<void> }>();
+  private readonly wishes = new Map<Kind, boolean>();
+  private turn: Promise<unknown> = Promise.resolve(); // streams are opened and closed one after the other
 
   constructor(private readonly studio: Studio) {}
 
   /** Another simulation is shown. */
   async follow(simulation: Simulation): Promise<void> {
-    await Promise.all([...this.open.values()].map((stream) => stream.close()));
-    this.open.clear();
-    this.simulation = simulation;
+    await this.inTurn(async () => {
+      await Promise.all([...this.open.values()].map((stream) => stream.close()));
+      this.open.clear();
+      this.simulation = simulation;
+    });
     const { view } = this.studio;
     view?.showObject(null);
     view?.showQueries(null);
@@ -65,28 +72,51 @@ export class Extras {
   /** Shows where the last step asked, and the answers. */
   async setQueriesShown(isShown: boolean): Promise<void> {
     this.areQueriesShown = isShown;
-    if (!isShown) {
+    await this.want("queries", isShown, ({ queries, replies }) => {
+      if (this.areQueriesShown) {
+        this.studio.view?.showQueries(answered(queries, replies));
+      }
+    });
+    if (!this.areQueriesShown) {
       this.studio.view?.showQueries(null);
     }
-    await this.want("queries", isShown, ({ queries, replies }) => this.studio.view?.showQueries(answered(queries, replies)));
     this.studio.changed();
   }
 
-  private async want<K extends Kind>(kind: K, isWanted: boolean, show: (frame: FrameOf<K>) => void | Promise<void>): Promise<void> {
-    const open = this.open.get(kind);
-    if (isWanted && !open && this.simulation) {
-      const stream = await this.simulation.stream(kind, { credits: 1 });
-      this.open.set(kind, stream);
-      void (async () => {
-        for await (const frame of stream) {
-          await show(frame);
-          this.studio.changed();
-        }
-      })().catch((error) => this.studio.fail(error));
-    } else if (!isWanted && open) {
-      this.open.delete(kind);
-      await open.close();
+  /** Waits, but not for ever, until the view shows the mesh of a step, where one is wanted. */
+  async meshOf(step: number, isOver: () => boolean = () => false): Promise<void> {
+    const until = performance.now() + MESH_MILLISECONDS;
+    const { element } = this.studio.view!;
+    while (this.open.has("glb") && element.dataset.textured !== String(step) && !isOver() && performance.now() < until) {
+      await nextFrame();
     }
+  }
+
+  private inTurn(work: () => Promise<void>): Promise<void> {
+    const mine = this.turn.then(work);
+    this.turn = mine.catch(() => {});
+    return mine;
+  }
+
+  /** Opens or closes a stream; the newest wish counts. */
+  private want<K extends Kind>(kind: K, isWanted: boolean, show: (frame: FrameOf<K>) => void | Promise<void>): Promise<void> {
+    this.wishes.set(kind, isWanted);
+    return this.inTurn(async () => {
+      const open = this.open.get(kind);
+      if (this.wishes.get(kind) && !open && this.simulation) {
+        const stream = await this.simulation.stream(kind, { credits: 1 });
+        this.open.set(kind, stream);
+        void (async () => {
+          for await (const frame of stream) {
+            await show(frame);
+            this.studio.changed();
+          }
+        })().catch((error) => this.studio.fail(error));
+      } else if (!this.wishes.get(kind) && open) {
+        this.open.delete(kind);
+        await open.close();
+      }
+    });
   }
 
   private async showMesh({ glb, step, simulation }: FrameOf<"glb">): Promise<void> {

@@ -95,11 +95,17 @@ async function recordLive(view: View, pictures: AsyncIterable<number>): Promise<
 /** Records from the first step to the present one. `signal` ends it early: the film has what was recorded. */
 export async function filmGrowth(studio: Studio, signal: AbortSignal): Promise<Blob> {
   const last = studio.step;
+  const { simulation } = studio;
+  // another model is opened
+  const isOver = () => signal.aborted || studio.simulation !== simulation;
   const stride = Math.max(1, Math.ceil(last / MOST_FRAMES));
   async function* steps() {
-    for (let step = 0; !signal.aborted; step = Math.min(step + stride, last)) {
+    for (let step = 0; ; step = Math.min(step + stride, last)) {
       await studio.goTo(step);
-      await drawn(studio, step, signal);
+      await drawn(studio, step, isOver);
+      if (isOver() || studio.answeredStep < step) {
+        return;
+      }
       if (step === last) {
         // a second picture gives the last one its time
         yield REST_MILLISECONDS;
@@ -112,7 +118,9 @@ export async function filmGrowth(studio: Studio, signal: AbortSignal): Promise<B
   try {
     return await record(studio.view!, steps());
   } finally {
-    await studio.goTo(last);
+    if (studio.simulation === simulation) {
+      await studio.goTo(last);
+    }
   }
 }
 
@@ -135,10 +143,11 @@ export async function filmTurn(studio: Studio, signal: AbortSignal): Promise<Blo
   }
 }
 
-async function drawn(studio: Studio, step: number, signal: AbortSignal): Promise<void> {
+async function drawn(studio: Studio, step: number, isOver: () => boolean): Promise<void> {
   const { element } = studio.view!;
-  while (element.dataset.step !== String(step) && studio.simulation && !signal.aborted) {
+  while (element.dataset.step !== String(step) && studio.answeredStep >= step && !isOver()) {
     await nextFrame();
   }
+  await studio.extras.meshOf(step, isOver);
   studio.view!.drawNow();
 }

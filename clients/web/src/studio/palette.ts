@@ -24,10 +24,16 @@ const PLACES = { transparency: 1, ambient: 2, diffuse: 5, emission: 8, specular:
 const UNNAMED: Material = { transparency: 0, ambient: [0, 0, 0], diffuse: [255, 255, 255], emission: [0, 0, 0], specular: [0, 0, 0], shininess: 0 };
 
 /** The colour map or the materials that the folder's command names. */
-export function paletteFile({ files, binary }: Document): string | null {
-  const command = files["specifications"] ?? "";
-  const named = (suffix: string) => Object.keys(binary).find((name) => name.endsWith(suffix) && new RegExp(`-[mM]\\d*\\s+${name}`).test(command));
-  return named(".map") ?? named(".mat") ?? null;
+export function paletteFile({ files, binary, main }: Document): string | null {
+  const commands = (files["specifications"] ?? "").split("\n").filter((line) => /\b[cl]pfg\b/.test(line)).map((line) => line.trim().split(/\s+/));
+  const command = commands.find((words) => words.includes(main)) ?? commands[0] ?? [];
+  const named = command.flatMap((name, i) => {
+    const [, kind, number] = /^-([mM])(\d*)$/.exec(command[i - 1] ?? "") ?? [];
+    return kind && name in binary ? [{ name, kind, isFirst: number === "" || number === "1" }] : [];
+  });
+  // the last switch says which kind counts; of several files, the first 256 colours
+  const counting = named.filter(({ kind }) => kind === named.at(-1)!.kind);
+  return (counting.filter(({ isFirst }) => isFirst).at(-1) ?? counting.at(-1))?.name ?? null;
 }
 
 /** Where the file has the record of a material; a later one wins. -1: nowhere. */

@@ -38,6 +38,7 @@ export async function saveOnServer(studio: Studio, name: string, isOver = false)
     });
     // what was written in the meantime is still to be saved
     const isSame = studio.document.files === files && studio.document.binary === binary;
+    studio.shownTitle = studio.shownTitle === studio.document.title ? name : studio.shownTitle; // it is still the same plant
     studio.document = { ...studio.document, title: name, saved: { name, revision, files: Object.keys(files) } };
     studio.isChanged = !isSame;
     studio.say(`Saved on the server as “${name}”.`);

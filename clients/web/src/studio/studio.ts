@@ -14,6 +14,7 @@ import { Fields } from "./fields.js";
 import { Frames } from "./frames.js";
 import { History } from "./history.js";
 import { folderPalette } from "./palette.js";
+import { Recolours } from "./recolours.js";
 import { Watched } from "./watched.js";
 import { unpacked } from "./share.js";
 import { checkDocument, createPlant, isTokenRefused, keepText } from "./plants.js";
@@ -62,6 +63,7 @@ export class Studio {
   readonly fields = new Fields(this);
   readonly watched = new Watched(this);
   readonly frames = new Frames(this);
+  private readonly recolours = new Recolours();
   /** Called when there is a connection, and when there is one again. */
   onConnected: () => void = () => {};
   /** Takes the last change of the shown text back, also a slider's; or makes it again. */
@@ -212,8 +214,9 @@ export class Studio {
   private async regrow(): Promise<void> {
     await this.list();
     if (!this.simulations.some(({ simulation }) => simulation === this.simulation?.id)) {
+      const { message } = this;
       await this.build(this.step);
-      this.message = null; // that it was gone
+      this.message = message?.text.startsWith("The simulation is gone") ? null : this.message;
     }
   }
 
@@ -269,6 +272,7 @@ export class Studio {
     this.diagnostics = [];
     this.message = null;
     this.watched.id = "";
+    this.recolours.clear();
     this.changed();
     await this.build(step);
   }
@@ -283,6 +287,7 @@ export class Studio {
       return;
     }
     this.document = withText(this.document, file, text);
+    this.recolours.isLast = false;
     this.isChanged = true;
     this.changed();
     void this.check();
@@ -293,11 +298,13 @@ export class Studio {
     return this.follow(withText(this.document, file, text));
   }
 
-  private async follow(changes: Partial<Document>): Promise<void> {
+  /** `isSame`: the plant is the same in its state. */
+  private async follow(changes: Partial<Document>, isSame = false): Promise<void> {
     if (this.isReadOnly) {
       throw new Error("This link only watches. Open the page without it to grow a plant of your own.");
     }
     this.document = { ...this.document, ...changes, gallery: null };
+    this.recolours.isLast = isSame;
     this.isChanged = true;
     this.isNewer = true;
     this.changed();
@@ -308,7 +315,7 @@ export class Studio {
     try {
       while (this.isNewer) {
         this.isNewer = false;
-        await this.build(this.answered.finished ? undefined : this.answered.step);
+        await this.build(this.answered.finished ? undefined : this.answered.step, isSame);
       }
     } catch (error) {
       this.fail(error);
@@ -320,7 +327,22 @@ export class Studio {
 
   /** The colours of the folder have changed. */
   recolour(file: string, base64: string): Promise<void> {
-    const done = this.follow({ binary: { ...this.document.binary, [file]: base64 } });
+    this.recolours.add(file, this.document.binary[file], base64);
+    return this.showColours(file, base64);
+  }
+
+  /** Takes the last change of a colour or of the shown text back, or makes it again. */
+  undo(isRedo: boolean): void {
+    const taken = this.recolours.take(isRedo);
+    if (taken) {
+      void this.act(() => this.showColours(taken.file, taken.bytes));
+    } else {
+      this.onUndo(isRedo);
+    }
+  }
+
+  private showColours(file: string, base64: string): Promise<void> {
+    const done = this.follow({ binary: { ...this.document.binary, [file]: base64 } }, true);
     this.palette = folderPalette(this.document);
     this.view?.setPalette(this.palette);
     return done;
@@ -371,14 +393,15 @@ export class Studio {
     return mine;
   }
 
-  /** Makes the simulation of the document and derives it to a step (default: to its end). */
-  build(step?: number): Promise<void> {
+  /** Makes the simulation of the document and derives it to a step (default: to its end). `isSame`: its state is that of the one before, also where it was pruned. */
+  build(step?: number, isSame = false): Promise<void> {
     this.isRunning = false;
     return this.inTurn(async () => {
       const old = this.isOwn ? this.ownId : null;
       await keepText(this);
       const { document } = this;
       const isAgain = old !== null && this.shownTitle === document.title;
+      const snapshot = isSame && isAgain ? await this.simulation?.save() : undefined;
       const grow = async () => {
         // in the place of the old one: pages that watch see the new one
         const simulation = await createPlant(this.client, document, this.seed, old ?? undefined);
@@ -388,6 +411,10 @@ export class Studio {
           await this.beside.close();
         }
         await this.show(simulation, true, !isAgain);
+        if (snapshot) {
+          // the state of another text is refused
+          await simulation.restore(snapshot).then((result) => this.reached(result), () => {});
+        }
         await this.advance(step ?? this.length);
       };
       await (isAgain ? this.frames.hold(grow) : grow());
@@ -403,6 +430,7 @@ export class Studio {
   /** Shows another plant of this page, with its past. */
   async take({ simulation, palette: _, ...past }: Growth): Promise<void> {
     this.document = past.document;
+    this.recolours.clear();
     await this.show(simulation, true, false);
     Object.assign(this, past);
     this.reached({ step: past.step, finished: past.isFinished });
@@ -601,6 +629,7 @@ export class Studio {
     const { from, to } = definesOf(define.file, text).find(({ line }) => line === define.line) ?? define;
     const files = { ...this.document.files, [define.file]: text.slice(0, from) + written + text.slice(to) };
     this.document = { ...this.document, files, gallery: null };
+    this.recolours.isLast = false;
     this.isChanged = true;
     const isUnderWay = this.wanted !== null;
     this.slid = performance.now();

@@ -53,7 +53,8 @@ export class GpuClock {
     }
   }
 
-  private look(sync: WebGLSync, begun: number): void {
+  /** `known`: for how long it was surely not ready. A busy page looks late, and late looks say nothing about the card. */
+  private look(sync: WebGLSync, begun: number, known = 0): void {
     setTimeout(() => {
       const { context } = this;
       const time = performance.now() - begun;
@@ -61,16 +62,16 @@ export class GpuClock {
         return; // there is a newer picture
       }
       if (!context.isContextLost() && context.getSyncParameter(sync, context.SYNC_STATUS) !== context.SIGNALED && time < LOST_MILLISECONDS) {
-        this.look(sync, begun);
+        this.look(sync, begun, time);
         return;
       }
       this.forget();
       // the timers of a hidden page are slow
-      this.slow = time > SLOW_MILLISECONDS && !document.hidden ? this.slow + 1 : Math.min(this.slow, 0);
+      this.slow = known > SLOW_MILLISECONDS && !document.hidden ? this.slow + 1 : Math.min(this.slow, 0);
       if (this.slow === SLOW_PICTURES) {
         this.onSlow();
       }
-      this.onReady(time);
+      this.onReady(known);
     }, LOOK_MILLISECONDS);
   }
 

@@ -23,7 +23,8 @@ export class Bounds {
   private boxes = new Float64Array(0); // of each block: lows, highs
   private columns: ArrayLike<number>[] = [];
   private count = 0;
-  private isLoose = false;
+  /** The boxes also hold places where rows were. */
+  isLoose = false;
 
   /** `columns`: three coordinates a row each; `changed`: ascending ranges of rows. */
   update(columns: ArrayLike<number>[], count: number, changed: RowRange[]): Box3 {

@@ -52,9 +52,13 @@ export class Plants {
     this.paint(mode, isSame ? changed : null, hasOtherOrgans);
   }
 
-  /** While little changes at a time, the bounds also hold where things were. From now on they are those of what is there. */
-  tighten(): void {
-    this.bounds = this.segmentBounds.tighten().union(this.organBox);
+  /** While little changes at a time, the bounds also hold where things were. From now on they are those of what is there. False: they were. */
+  tighten(): boolean {
+    const { isLoose } = this.segmentBounds;
+    if (isLoose) {
+      this.bounds = this.segmentBounds.tighten().union(this.organBox);
+    }
+    return isLoose;
   }
 
   /** How far from `centre` a camera must be to see the plants from all sides. */

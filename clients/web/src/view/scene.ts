@@ -1,7 +1,6 @@
 // The view: camera, light, ground, and the plants of a simulation from its columns.
 import {
   Box3,
-  CanvasTexture,
   CircleGeometry,
   Color,
   DirectionalLight,
@@ -14,13 +13,13 @@ import {
   Plane,
   Raycaster,
   Scene,
-  SRGBColorSpace,
   Vector2,
   Vector3,
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import type { Geometry, GeometryChange, TurtleTable } from "espalier";
+import { backgroundTexture, fadeTexture, overPhotograph } from "./backdrop.js";
 import { CONTEXT, canvasToDraw } from "./canvas.js";
 import type { ColourMode, Legend, ModelPalette } from "./colours.js";
 import { FieldView, fieldBox } from "./fields.js";
@@ -37,8 +36,10 @@ const FIELD_OF_VIEW = 32;
 // in a browser whose pictures take long: after the last move, for the picture with everything, if it takes less than
 const REST_MILLISECONDS = 700;
 const LONGEST_FINE_MILLISECONDS = 1000;
+const TIGHT_MILLISECONDS = 150; // after the last change of a plant
 const FEW_SEGMENTS = 2000; // fewer take as long
 const TIMINGS = 2;
+const FAST_MILLISECONDS = 30; // of pictures with everything, after which a browser is not slow any more
 const FIT_MARGIN = 1.12; // the plant does not touch the rim, nor the tools there
 
 export interface ViewSettings {
@@ -78,6 +79,7 @@ export class View {
   private isSlow = false; // pictures take long
   private isFine = false; // the picture that is drawn has everything
   private rest = 0; // the timer of the picture at rest
+  private tight = 0; // the timer of exact bounds
   private fine = { count: 0, milliseconds: 0 }; // the last picture with everything: its segments, and how long it took
   private isDrawing = false;
   private isDue = false; // as soon as the picture before is ready
@@ -193,6 +195,8 @@ export class View {
   update(geometry: Geometry, change: GeometryChange, step: number, isLast: boolean): void {
     this.moved();
     this.plants.update(geometry, change, step, this.settings.mode);
+    clearTimeout(this.tight);
+    this.tight = setTimeout(() => this.plants.tighten() && this.surround(this.processes), TIGHT_MILLISECONDS);
     this.arrange();
     this.surround(this.processes);
     this.fitGrown(isLast);
@@ -250,9 +254,9 @@ export class View {
     this.arrange();
   }
 
-  /** Either the columns or the object is visible. A chosen module has its colour in the columns only. */
+  /** Either the columns or the object is visible. A chosen module has its colour in the columns only, and so have plants that are compared. */
   private arrange(): void {
-    const isObject = this.other !== null && this.settings.mode === "model" && !this.plants.picked;
+    const isObject = this.other !== null && this.settings.mode === "model" && !this.plants.picked && !this.partner;
     if (this.other) {
       this.other.visible = isObject;
     }
@@ -294,6 +298,7 @@ export class View {
   private pictureReady(milliseconds: number): void {
     if (this.isFine) {
       this.fine = { count: this.plants.tubes.count, milliseconds };
+      this.isSlow &&= milliseconds > FAST_MILLISECONDS;
     }
     if (this.isComplete && this.timings < TIMINGS) {
       if (this.timings === 0) {
@@ -384,6 +389,7 @@ export class View {
       other.isTurned = this.isTurned;
       other.lookAs(this);
     }
+    this.arrange();
   }
 
   private lookAs({ camera, controls }: View): void {
@@ -556,10 +562,12 @@ export class View {
   }
 
   plantHeight(): number {
+    this.plants.tighten();
     return this.plants.bounds.isEmpty() ? 1 : Math.max(this.plants.bounds.max.y - this.plants.bounds.min.y, 1e-6);
   }
 
   private footPoint(): Vector3 {
+    this.plants.tighten();
     const { bounds } = this.plants;
     return bounds.isEmpty() ? new Vector3() : bounds.getCenter(new Vector3()).setY(bounds.min.y);
   }
@@ -635,58 +643,11 @@ export class View {
   /** Frees the canvas; browsers allow few. */
   dispose(): void {
     clearTimeout(this.rest);
+    clearTimeout(this.tight);
     this.pairWith(null);
     this.controls.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss();
     this.renderer.domElement.remove();
   }
-}
-
-/** Background, photograph and plant as they lie over each other on the page. */
-function overPhotograph(plant: HTMLCanvasElement, photograph: HTMLImageElement, isDark: boolean): HTMLCanvasElement {
-  const canvas = document.createElement("canvas");
-  const { width, height } = Object.assign(canvas, { width: plant.width, height: plant.height });
-  const context = canvas.getContext("2d")!;
-  const [view, seen] = [plant, photograph].map((element) => element.getBoundingClientRect());
-  const scale = width / view.width;
-  context.drawImage(backgroundCanvas(isDark), 0, 0, width, height);
-  context.globalAlpha = Number(photograph.style.opacity || 1);
-  context.drawImage(photograph, (seen.left - view.left) * scale, (seen.top - view.top) * scale, seen.width * scale, seen.height * scale);
-  context.globalAlpha = Number(plant.style.opacity || 1);
-  context.drawImage(plant, 0, 0);
-  return canvas;
-}
-
-function backgroundCanvas(isDark: boolean): HTMLCanvasElement {
-  const canvas = document.createElement("canvas");
-  canvas.width = 2;
-  canvas.height = 256;
-  const context = canvas.getContext("2d")!;
-  const gradient = context.createLinearGradient(0, 0, 0, 256);
-  const stops = isDark ? ["#1d2422", "#2a322f", "#333a35"] : ["#dfe8ea", "#f1f3ee", "#f7f5ee"];
-  stops.forEach((stop, i) => gradient.addColorStop(i / 2, stop));
-  context.fillStyle = gradient;
-  context.fillRect(0, 0, 2, 256);
-  return canvas;
-}
-
-function backgroundTexture(isDark: boolean): CanvasTexture {
-  const texture = new CanvasTexture(backgroundCanvas(isDark));
-  texture.colorSpace = SRGBColorSpace;
-  return texture;
-}
-
-/** White in the middle, black at the rim: the ground ends softly. */
-function fadeTexture(): CanvasTexture {
-  const canvas = document.createElement("canvas");
-  canvas.width = canvas.height = 256;
-  const context = canvas.getContext("2d")!;
-  const gradient = context.createRadialGradient(128, 128, 20, 128, 128, 128);
-  gradient.addColorStop(0, "#fff");
-  gradient.addColorStop(0.45, "#999");
-  gradient.addColorStop(1, "#000");
-  context.fillStyle = gradient;
-  context.fillRect(0, 0, 256, 256);
-  return new CanvasTexture(canvas);
 }

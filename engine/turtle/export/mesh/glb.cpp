@@ -23,6 +23,8 @@ using core::Vec3;
 
 namespace {
 
+// highlights of grey 0.5, as a screen shows it, reflect 4 % of the light, as materials of glTF without the extension do
+constexpr double kUsualReflection = 1.0 / 0.214041;
 constexpr double kDefaultRoughness = 0.8;
 
 class CountingSink final : public core::ByteSink {
@@ -184,8 +186,13 @@ void GlbWriter::writeMaterials(TextOutput& out) const {
     const bool hasHoles = isTextured && opacity == 1.0 && texture->hasHoles();
     out << (opacity < 1.0 ? ",\"alphaMode\":\"BLEND\""
             : hasHoles    ? ",\"alphaMode\":\"MASK\""
-                          : "")
-        << ",\"doubleSided\":true}";
+                          : "");
+    if (material.folder) {
+      const std::array<double, 3>& specular = material.folder->specular;
+      out << ",\"extensions\":{\"KHR_materials_specular\":{\"specularColorFactor\":[";
+      out.vector(kUsualReflection * factor(specular[0], specular[1], specular[2]), ',') << "]}}";
+    }
+    out << ",\"doubleSided\":true}";
   }
   out << "],\n";
 }
@@ -325,8 +332,16 @@ void GlbWriter::writeJson(core::ByteSink& sink) const {
     out << "\"scenes\":[{\"name\":\"empty\"}]}";
     return;
   }
-  if (!plan_.instances.empty()) {
-    out << "\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"],\n\"extensionsRequired\":[\"EXT_mesh_gpu_instancing\"],\n";
+  const bool isInstanced = !plan_.instances.empty();
+  const bool hasHighlights = std::ranges::any_of(plan_.materialIndex, [this](const auto& entry) {
+    return plan_.meshes.materials()[entry.first].folder.has_value();
+  });
+  if (isInstanced || hasHighlights) {
+    out << "\"extensionsUsed\":[" << (isInstanced ? "\"EXT_mesh_gpu_instancing\"" : "")
+        << (isInstanced && hasHighlights ? "," : "") << (hasHighlights ? "\"KHR_materials_specular\"" : "") << "],\n";
+  }
+  if (isInstanced) {
+    out << "\"extensionsRequired\":[\"EXT_mesh_gpu_instancing\"],\n";
   }
   writeNodes(out);
   writeMeshes(out);

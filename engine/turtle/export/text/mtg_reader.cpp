@@ -155,7 +155,7 @@ std::string MtgReader::join(Vertex& vertex, std::size_t base) const {
     return {};
   }
   if (base == kNoVertex) {
-    return problem(std::string("'") + vertex.edge + vertex.entityClass + "' joins nothing");
+    return problem(std::string("'") + vertex.edge + vertex.entityClass + "' has no entity before it to join");
   }
   const int baseScale = vertices_[base].scale;
   vertex.parent = baseScale >= vertex.scale ? ancestorAt(base, vertex.scale) : endOf(base, vertex.scale);
@@ -166,7 +166,7 @@ std::string MtgReader::join(Vertex& vertex, std::size_t base) const {
     return {};
   }
   if (vertex.parent == kNoVertex) {
-    return problem(std::string("'") + vertex.edge + vertex.entityClass + "' joins nothing of its scale");
+    return problem(std::string("'") + vertex.edge + vertex.entityClass + "' has no entity of its scale before it to join");
   }
   vertex.origin = baseScale > vertex.scale ? base : kNoVertex;
   vertex.complex = vertices_[vertex.parent].complex;
@@ -178,7 +178,7 @@ std::string MtgReader::addSeries(const Vertex& last, std::size_t& base) {
   const std::string name = last.entityClass + std::to_string(last.index);
   const std::string signs(2, last.edge);
   if (base == kNoVertex || vertices_[base].entityClass != last.entityClass || vertices_[base].index >= last.index) {
-    return problem("'" + signs + name + "' continues no entity of its class with a smaller number");
+    return problem("'" + signs + name + "' needs an entity '" + last.entityClass + "' with a smaller number before it");
   }
   // a few bytes can ask for many entities: they share one bound
   seriesEntities_ += last.index - vertices_[base].index;

@@ -123,7 +123,7 @@ TEST(Interpretation, TheSecondOrientationIsNoneOfTheReferences) {
   run.pass();
   expectParameters(run.lastParameters(), {0, 1, 0});
   ASSERT_EQ(run.messages.size(), 1U);
-  EXPECT_EQ(run.messages[0], "the turtle knows no '@X'; the symbols after the '@' are interpreted on their own");
+  EXPECT_EQ(run.messages[0], "the turtle has no command '@X': the symbols after the '@' are interpreted on their own");
 }
 
 TEST(Interpretation, WidthColourAndShapesDoNotMove) {
@@ -137,9 +137,9 @@ TEST(Interpretation, AnUnknownSymbolAfterAtIsInterpretedOnItsOwn) {
   run.pass();
   expectParameters(run.lastParameters(), {-2, 3});
   ASSERT_EQ(run.messages.size(), 3U);
-  EXPECT_EQ(run.messages[0], "the turtle knows no '@z'; the symbols after the '@' are interpreted on their own");
-  EXPECT_EQ(run.messages[1], "the turtle knows no '@F'; the symbols after the '@' are interpreted on their own");
-  EXPECT_EQ(run.messages[2], "the turtle knows no '@Tz'; the symbols after the '@' are interpreted on their own");
+  EXPECT_EQ(run.messages[0], "the turtle has no command '@z': the symbols after the '@' are interpreted on their own");
+  EXPECT_EQ(run.messages[1], "the turtle has no command '@F': the symbols after the '@' are interpreted on their own");
+  EXPECT_EQ(run.messages[2], "the turtle has no command '@Tz': the symbols after the '@' are interpreted on their own");
 }
 
 TEST(Interpretation, AWarningIsGivenOnce) {

@@ -302,12 +302,19 @@ TEST(Glb, MaterialsHaveTheLinearColoursOfThePalette) {
   EXPECT_NEAR(colour[2].get<double>(), 0.503, 1e-3);
   EXPECT_EQ(colour[3], 1);
 
-  palette.materials[1][7] = {.diffuse = {0, 1, 0}, .emission = {1, 0, 0}, .opacity = 0.5, .shininess = 30.0};
+  EXPECT_FALSE(mapped.text.contains("extensionsUsed"));
+  palette.materials[1][7] = {
+      .diffuse = {0, 1, 0}, .emission = {1, 0, 0}, .specular = {0.5, 0, 1}, .opacity = 0.5, .shininess = 30.0};
   palette.usesMaterials = true;
   const GlbContent material(glbOf(run.scene, {}, &palette));
   EXPECT_EQ(material.text["materials"][0]["alphaMode"], "BLEND");
   EXPECT_EQ(material.text["materials"][0]["emissiveFactor"], json({1, 0, 0}));
   EXPECT_EQ(material.text["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"], 0.25);
+  // highlights of grey 0.5 are as glTF has them without the extension
+  const json& highlights = material.text["materials"][0]["extensions"]["KHR_materials_specular"];
+  EXPECT_NEAR(highlights["specularColorFactor"][0].get<double>(), 1.0, 1e-5);
+  EXPECT_EQ(highlights["specularColorFactor"][1], 0);
+  EXPECT_EQ(material.text["extensionsUsed"], json({"KHR_materials_specular"}));
   EXPECT_EQ(material.text["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3], 0.5);
 }
 

@@ -253,11 +253,11 @@ TEST(Mtg, MistakesAreNamedWithTheirLine) {
   EXPECT_EQ(problem("/P1\n\tU1\n"),
             "17: expected '/', '<' or '+' before an entity, found 'U1' (columns are separated by tabs)");
   EXPECT_EQ(problem("/P1\n\t/7\n"), "17: expected the class of an entity, found '7'");
-  EXPECT_EQ(problem("+P1\n"), "16: '+P' joins nothing");
-  EXPECT_EQ(problem("/P1/A1\n^+P2/U1\n\t<A3\n"), "18: '<A' joins nothing of its scale");
+  EXPECT_EQ(problem("+P1\n"), "16: '+P' has no entity before it to join");
+  EXPECT_EQ(problem("/P1/A1\n^+P2/U1\n\t<A3\n"), "18: '<A' has no entity of its scale before it to join");
   EXPECT_EQ(problem("*\n"), "16: '*' follows no entity of its column");
-  EXPECT_EQ(problem("/P1/U3<<U3\n"), "16: '<<U3' continues no entity of its class with a smaller number");
-  EXPECT_EQ(problem("/P1++U3\n"), "16: '++U3' continues no entity of its class with a smaller number");
+  EXPECT_EQ(problem("/P1/U3<<U3\n"), "16: '<<U3' needs an entity 'U' with a smaller number before it");
+  EXPECT_EQ(problem("/P1++U3\n"), "16: '++U3' needs an entity 'U' with a smaller number before it");
   EXPECT_EQ(problem("/P1/U3<<U1000004\n"),
             "16: with '<<U1000004' the series of the file have more than 1000000 entities");
   // several series share the bound
