@@ -12,7 +12,7 @@ namespace espalier::environment {
 /// 'collarHead' has no effect, because 'collar' is not \"head\"." None for a configuration that makeProcess refuses.
 [[nodiscard]] std::vector<core::Diagnostic> idleKeys(std::string_view process, std::string_view configurationJson);
 
-/// What is wrong with the rules themselves, for tests: a process or a key that is not there, a value that no key has.
+/// The mistakes in the rules themselves, for tests: a process or a key that is not there, a value that no key has.
 [[nodiscard]] std::vector<std::string> problemsOfIdleKeys();
 
 }  // namespace espalier::environment

@@ -29,7 +29,7 @@ extern "C" {
  * there. */
 #define ESPALIER_PLUGIN_VERSION 1u
 
-/* What a process reads of a query, added up in espalier_plugin.needs. Arrays that it does not need may be null. */
+/* Parts of a query that a process reads, summed in espalier_plugin.needs. Arrays that it does not need may be null. */
 enum {
   ESPALIER_NEEDS_POSITION = 1,
   ESPALIER_NEEDS_HEADING = 2,
@@ -38,7 +38,7 @@ enum {
   ESPALIER_NEEDS_WIDTH = 16,
   ESPALIER_NEEDS_SCALE = 32,
   ESPALIER_NEEDS_FOLLOWING = 64,
-  ESPALIER_NEEDS_GEOMETRY = 128 /* what all plants draw: asked in every step, also in one without queries */
+  ESPALIER_NEEDS_GEOMETRY = 128 /* the shapes of all plants: asked in every step, also in one without queries */
 };
 
 /* No module follows the communication module. */
@@ -50,12 +50,12 @@ typedef struct espalier_variable {
   const char* unit;
 } espalier_variable;
 
-/* What an instance is told when a simulation opens it. */
+/* The information that an instance gets when a simulation opens it. */
 typedef struct espalier_context {
   uint64_t seed;
   uint32_t plant_count;
   uint32_t symbol_count;
-  const char* const* symbols; /* names by number: what the queries' symbol and following refer to (symbol_count) */
+  const char* const* symbols; /* names by number, for the queries' symbol and following (symbol_count) */
   const char* simulation;     /* identifier, for messages */
   const char* length_unit;
   double up[3];
@@ -63,7 +63,7 @@ typedef struct espalier_context {
   double step_duration_days;
 } espalier_context;
 
-/* What drew each row of a table of geometry, as arrays of `count` elements. */
+/* The origin of each row of a table of geometry, as arrays of `count` elements. */
 typedef struct espalier_sources {
   size_t count;
   const uint32_t* plant;
@@ -73,10 +73,10 @@ typedef struct espalier_sources {
   const uint32_t* branch_order;
 } espalier_sources;
 
-/* What the kinds of an organ are. */
+/* The kinds of an organ. */
 enum { ESPALIER_CYLINDER = 0, ESPALIER_POLYGON = 1, ESPALIER_SURFACE = 2, ESPALIER_PATCH = 3, ESPALIER_BALL = 4 };
 
-/* What all plants draw, in world coordinates: lines as round segments, everything else as organs of triangles, by
+/* The shapes of all plants, in world coordinates: lines as round segments, everything else as organs of triangles, by
  * plant. The organ that a communication module stands before has the module index of its query plus one. */
 typedef struct espalier_geometry {
   espalier_sources segments;

@@ -61,7 +61,7 @@ class LineSplitter {
   bool isOverflowed_ = false;
 };
 
-/// What one side accepts.
+/// The limits of the messages that one side accepts.
 struct FrameLimits {
   std::size_t lineBytes = 256'000'000;
   std::size_t blockBytes = 1'000'000'000;  // raw bytes of one message

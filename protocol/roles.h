@@ -9,7 +9,7 @@
 
 namespace espalier::protocol {
 
-/// What a connection may do. A controller may do everything. A viewer reads and watches. An environment offers itself.
+/// Rights of a connection. A controller may do everything. A viewer reads and watches. An environment offers itself.
 enum class Role : std::uint8_t { Anyone, Viewer, Environment, Controller };
 
 /// The word of hello: viewer, environment or controller.

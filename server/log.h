@@ -35,7 +35,7 @@ class Log {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// What follows time and level: the text after its subject, or the members of the JSON object after them.
+/// The part of a line after time and level: the text after its subject, or the members of the JSON object after them.
 [[nodiscard]] std::string logText(std::string_view text, const LogSubject& subject);
 [[nodiscard]] std::string logMembers(std::string_view text, const LogSubject& subject);
 

@@ -71,7 +71,7 @@ class Server::Implementation {
     }
     core_.log().info("stopped");
     if (isStuck_ && handleSignals) {
-      // what is complete is saved; the destructors would wait for what does not end
+      // complete work is saved; the destructors would wait for the work that does not end
       core_.log().error("something computes that does not end; the process ends without it");
       std::_Exit(EXIT_SUCCESS);
     }

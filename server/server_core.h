@@ -30,7 +30,8 @@ namespace espalier::server {
 
 class Session;
 
-/// What all sessions share: simulations, models, offered environments, workers. Knows no network. Thread-safe.
+/// The part of the server that all sessions share: simulations, models, offered environments, workers. Knows no
+/// network. Thread-safe.
 class ServerCore {
  public:
   explicit ServerCore(ServerOptions options);
@@ -60,10 +61,10 @@ class ServerCore {
   /// Brings the memory of SQLite in the account of the server up to date. Nothing waits in it.
   void countDatabase();
 
-  /// What `describe` says of the environments of this program. It is asked once: to make them all takes milliseconds.
+  /// The text of `describe` for the environments of this program. It is asked once: to make them takes milliseconds.
   [[nodiscard]] const std::string& builtInEnvironments(const std::function<std::string()>& describe);
 
-  /// Reads something more. What it returns puts that in place.
+  /// Reads something more. The returned function puts that in place.
   using ReadMore = std::function<tl::expected<std::function<void()>, std::string>()>;
   /// Has a worker read tokens, limits and `more` (null: nothing) again. The log says what has changed. After a mistake
   /// in any of them nothing has. `whenChanged` is called on the worker after the limits have changed.

@@ -300,7 +300,7 @@ class ComponentPlugin {
         settings.configuration = std::move(*file);
       }
       auto component = std::make_unique<Component>(make_, std::move(settings));
-      // what is wrong with the configuration is said before a step
+      // mistakes in the configuration are reported before a step
       component->open();
       made = component.release();
     });

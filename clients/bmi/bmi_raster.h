@@ -1,4 +1,4 @@
-/// What an environment reads of a BMI component: the grid of a variable, and its values as doubles. Header only.
+/// The parts of a BMI component for an environment: the grid of a variable, and its values as doubles. Header only.
 #pragma once
 
 #include <algorithm>

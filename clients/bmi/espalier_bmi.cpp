@@ -48,7 +48,7 @@ struct EspalierBmi::Running {
   Settings settings;
   SteppedModel model;
   std::vector<double> inputs;   // (settings.inputs); a caller may have pointers to them
-  std::vector<double> known;    // what the model has (settings.inputs)
+  std::vector<double> known;    // the values that the model has (settings.inputs)
   std::vector<double> outputs;  // (settings.outputs)
   std::uint64_t step = 0;
 

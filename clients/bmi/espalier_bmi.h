@@ -51,7 +51,7 @@ class EspalierBmi final : public ::bmi::Bmi {
   double GetTimeStep() override;
 
   void GetValue(std::string name, void* dest) override;
-  /// Stays valid until Finalize. What is written to an input counts from the next step on.
+  /// Stays valid until Finalize. Values that are written to an input count from the next step on.
   void* GetValuePtr(std::string name) override;
   void GetValueAtIndices(std::string name, void* dest, int* inds, int count) override;
   void SetValue(std::string name, void* src) override;

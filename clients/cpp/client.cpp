@@ -109,7 +109,7 @@ class Client::Implementation {
     return id;
   }
 
-  /// What `take` finds, waiting for messages meanwhile; nothing when the time is over or the connection closed.
+  /// The item of `take`, waiting for messages meanwhile; nothing when the time is over or the connection closed.
   template <typename Take>
   auto waitUntil(std::chrono::milliseconds timeout, Take take) {
     const auto deadline = Clock::now() + timeout;

@@ -89,7 +89,7 @@ class CoroutineClient::State : public std::enable_shared_from_this<State> {
     co_return tl::unexpected(lateAnswer(method, timeout));
   }
 
-  /// What `take` finds; nothing once the connection has closed.
+  /// The item that `take` finds; nothing once the connection has closed.
   template <typename Item>
   asio::awaitable<std::optional<Item>> next(std::int64_t what, std::optional<Item> (Conversation::*take)()) {
     auto found = (conversation_.*take)();

@@ -90,7 +90,7 @@ class Environment {
   virtual void restore(const std::string& state) { static_cast<void>(state); }
 };
 
-/// What servers are told about an environment: name, summary, needs (the parts of a query that it reads), inputs,
+/// The description of an environment for servers: name, summary, needs (the parts of a query that it reads), inputs,
 /// outputs, isStateful.
 using EnvironmentDescription = protocol::DescribeResult;
 

@@ -15,8 +15,8 @@
 
 namespace espalier::command {
 
-/// Who names an environment. Others than the command line may be strangers, whose programs are not started and whose
-/// addresses are not dialled.
+/// The source of an environment's name. All but the command line may come from strangers, whose programs are not
+/// started and whose addresses are not dialled.
 enum class EnvironmentSource : std::uint8_t { CommandLine, Folder, Snapshot };
 
 /// Settings of environments in other processes, and of reading files of environments. The entry of an environment may

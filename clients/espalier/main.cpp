@@ -110,7 +110,7 @@ void suggestOption(const CLI::App& program, int argumentCount, char** arguments)
     if (!given.starts_with("--") || std::find(names.begin(), names.end(), given) != names.end()) {
       continue;
     }
-    // what other servers call it
+    // the option's name in other servers
     const bool isAddress =
         (given == "--port" || given == "--host") && std::ranges::find(names, "--listen") != names.end();
     const std::string_view nearest =

@@ -20,7 +20,7 @@ namespace espalier::command {
 [[nodiscard]] std::optional<std::string> readServeConfiguration(CLI::App& command, const std::string& file,
                                                                 server::ServerOptions& options);
 
-/// What a server reads of its configuration again while it runs.
+/// The parts of its configuration that a server reads again while it runs.
 struct ConfiguredAgain {
   std::vector<server::Token> tokens;                      // of the section [tokens]
   server::ServerLimits limits;                            // of the section [limits]

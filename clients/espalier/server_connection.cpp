@@ -6,7 +6,7 @@
 namespace espalier::command {
 namespace {
 
-// what a person at a shell can do about an error of the protocol
+// an error of the protocol, with a remedy for a person at a shell
 std::string sentenceOf(const protocol::Error& error, const std::string& address, bool isPlain) {
   if (error.code == protocol::ErrorCode::Unauthorised) {
     return "The server at " + address + " refuses the connection. " + error.message +

@@ -48,6 +48,6 @@ if (!process.argv.includes("--packages")) {
     build({ ...common, entryPoints: ["src/espalier.js"], globalName: "espalier", outfile: "espalier.js" }),
     build({ ...common, entryPoints: ["src/studio.tsx"], outfile: "studio.js" }),
   ]);
-  // what a server sends to browsers
+  // the file that a server sends to browsers
   writeFileSync("studio.js.gz", gzipSync(readFileSync("studio.js"), { level: 9 }));
 }

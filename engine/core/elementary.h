@@ -25,8 +25,8 @@ namespace espalier::core {
 
 /// The elementary functions of Espalier: the same bits on every processor, with every compiler and at every level of
 /// optimisation. Each is within 1 ulp of the exact value. They are musl's (engine/core/musl), without fused
-/// multiply-add. The C library's functions of these names choose other code for other processors. What is exact by
-/// IEEE 754 (sqrt, floor, fmod and so on) stays std::.
+/// multiply-add. The C library's functions of these names choose other code for other processors. Functions that are
+/// exact by IEEE 754 (sqrt, floor, fmod and so on) stay std::.
 [[nodiscard]] inline double acos(double x) {
   return espalier_musl_acos(x);
 }

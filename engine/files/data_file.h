@@ -13,7 +13,7 @@ namespace espalier::files {
 inline constexpr std::size_t kMostPoints = 100'000;  // of one function, curve or contour, multiplicities counted
 inline constexpr int kMostSamples = 10'000;          // of one function or curve
 
-/// What all files of one view file may still use together.
+/// The amounts that all files of one view file may still use together.
 struct ReadingBudget {
   std::size_t points = 1'000'000;
   std::size_t samples = 500'000;

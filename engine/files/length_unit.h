@@ -12,7 +12,7 @@ inline constexpr unsigned kMetre = 9001;  // EPSG's number of this unit
 /// several parts with axes of their own.
 [[nodiscard]] std::optional<unsigned> unitOfSystem(unsigned epsg);
 
-/// What a file whose unit is not the metre has: `has lengths in US survey feet (unit 9003 of EPSG), not in metres`.
+/// The text about a unit that is not the metre: `has lengths in US survey feet (unit 9003 of EPSG), not in metres`.
 [[nodiscard]] std::string notInMetres(unsigned unit);
 
 }  // namespace espalier::files

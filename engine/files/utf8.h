@@ -20,7 +20,7 @@ namespace espalier::files {
 /// Latin-1 (ISO 8859-1).
 [[nodiscard]] std::string asUtf8(std::string_view bytes);
 
-/// What a file is that holds no model text, as in "a PNG picture"; empty: it may be text.
+/// The kind of a file that holds no model text, as in "a PNG picture"; empty: it may be text.
 [[nodiscard]] std::string kindOfNoText(std::string_view bytes);
 
 }  // namespace espalier::files

@@ -6,8 +6,8 @@
 
 namespace espalier::language {
 
-/// What a model reads of its world in Espalier's own mode, as `world.NAME`: the means of the weather over the step, the
-/// time at the beginning of the step in days after the start, and thermal time up to then.
+/// The values of its world that a model reads in Espalier's own mode, as `world.NAME`: the means of the weather over
+/// the step, the time at the beginning of the step in days after the start, and thermal time up to then.
 inline constexpr std::string_view kWorldPrefix = "world.";
 inline constexpr std::array<std::string_view, 10> kWorldNames{
     "time", "thermalTime", "temperature", "humidity", "wind", "rain", "co2", "global", "direct", "diffuse"};

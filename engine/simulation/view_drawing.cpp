@@ -34,7 +34,7 @@ class ViewDrawing::Implementation {
   [[nodiscard]] const ModelSet& models() const { return studio_->models; }
 
  private:
-  /// What views of the same Programs and options are drawn with.
+  /// The tools that draw views of the same Programs and options.
   struct Studio {
     explicit Studio(const PlantsView& view)
         : models(view.programs), options(silent(*view.options)), factory(models, options, isCancelled, messages) {}

@@ -347,7 +347,7 @@ std::optional<double> Weather::mean(std::string_view name, double from, double t
   const auto& [values, scale] = columns_[quantity];
   std::size_t interval = intervalAt(begin);
   const double first = values[interval];
-  // what is more or less than with the first value all the time
+  // the difference from the sum with the first value all the time
   double sum = 0.0;
   for (double time = begin; interval < times_.size() && time < end; ++interval) {
     const double until = interval + 1 < times_.size() ? std::min(times_[interval + 1], end) : end;

@@ -13,7 +13,7 @@ struct Air {
   double vapourPressure = 1.17;  // kPa
   double pressure = 101.3;       // kPa
 
-  /// What is missing to saturation, kPa; at least 0.
+  /// The vapour pressure that is missing to saturation, kPa; at least 0.
   [[nodiscard]] double deficit() const;
   /// kg m⁻³.
   [[nodiscard]] double density() const;

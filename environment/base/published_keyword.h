@@ -36,7 +36,7 @@ struct PublishedLineInput {
   const std::string& file;                // of the specification: files it names lie beside it
   core::FileProvider& files;
   ConfigurationValues& values;
-  std::string& dropped;  // what is ignored of the line: the end of a sentence whose subject is the keyword
+  std::string& dropped;  // the ignored part of the line: the end of a sentence whose subject is the keyword
 };
 
 /// One keyword of a process's published specification file.

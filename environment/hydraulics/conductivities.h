@@ -23,7 +23,7 @@ class ConductivityTable {
   /// it, or else of the lowest order.
   [[nodiscard]] double at(double order, double age) const;
 
-  /// What is wrong with rows, as the end of a sentence about the key; empty when nothing is.
+  /// The problem of rows, as the end of a sentence about the key; empty when there is none.
   [[nodiscard]] static std::string problemOf(const ConfigurationRows& rows);
 
  private:

@@ -29,7 +29,7 @@ class HydraulicTree {
     double demandByHead = 0.0;        // how much more at a higher head, length²/day, at least 0
     std::uint32_t plant = 0;          // of a collar: the collars of a plant have one head
   };
-  /// What holds at the collars of a plant: a head, or a flow out of all its collars together.
+  /// The condition at the collars of a plant: a head, or a flow out of all its collars together.
   struct Collar {
     bool hasHead = true;
     double head = 0.0;
@@ -43,8 +43,8 @@ class HydraulicTree {
   [[nodiscard]] std::vector<Node>& nodes() { return nodes_; }
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
 
-  /// What a node and its segment do, as a linear function of the heads at the upper end (towards the collar) and the
-  /// lower end. The flow towards the collar is through·(lower − upper) + half·lower − supply + gravity at the lower
+  /// The flows of a node and its segment, as a linear function of the heads at the upper end (towards the collar) and
+  /// the lower end. The flow towards the collar is through·(lower − upper) + half·lower − supply + gravity at the lower
   /// end, and through·(lower − upper) − half·upper + supply + gravity at the upper end.
   struct Segment {
     double through = 0.0;       // length²/day, at least 0
@@ -80,7 +80,7 @@ class HydraulicTree {
   [[nodiscard]] std::vector<std::uint32_t> plantOf() const;
 
  private:
-  /// What is left of each node after elimination from the tips to the collars (nodes).
+  /// The coefficients of each node after elimination from the tips to the collars (nodes).
   struct Elimination {
     std::vector<double> pivot;
     std::vector<double> slope;  // how the flow into a node from below grows with its head

@@ -18,7 +18,7 @@ constexpr double kTolerance = 1e-10;         // of the flow, and of kx
 constexpr double kRoundingTolerance = 1e-6;  // of what does not become better
 constexpr double kRounding = 1e-13;          // of heads, where flows nearly cancel
 
-/// What leaves ask for beyond what roots can take, at any head: it would come in at collars that give nothing off.
+/// The water that leaves ask for and roots cannot take at any head: it would come in at collars that give nothing off.
 double missingWater(const HydraulicTree::Result& flow, std::span<const HydraulicTree::Collar> plants) {
   double missing = 0.0;
   for (std::size_t plant = 0; plant < flow.collarFlows.size(); ++plant) {
@@ -46,7 +46,7 @@ double PlantWater::vesselPart(double head) const {
 /// Makes the exchange of a segment with the soil linear at its present head; returns what was wrong.
 ///
 /// The surface of a segment has one head ψ, and so exchanges 2·half·(ψ − m) with a xylem of the mean head m of both
-/// ends. The same passes through the soil. What passes along the xylem is the same whatever the soil does.
+/// ends. The same passes through the soil. The flow along the xylem does not depend on the soil.
 double PlantWater::updateSoil(std::size_t i, Result& result) {
   const HydraulicTree::Node& node = tree_.nodes()[i];
   const HydraulicTree::Segment& root = roots_[i];
@@ -194,8 +194,8 @@ void PlantWater::begin() {
   }
 }
 
-/// What is wrong at heads that lie a share of the way from point_ to the solution of the linear tree: what was wrong
-/// there shrinks by that share, and what is not linear is added. Returns the sum of the amounts.
+/// The residuals at heads that lie a share of the way from point_ to the solution of the linear tree: the old residuals
+/// shrink by that share, and the part that is not linear is added. Returns the sum of the amounts.
 double PlantWater::residualsAt(const std::vector<double>& heads, double share, Residuals& residuals) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < heads.size(); ++i) {
@@ -300,7 +300,7 @@ tl::expected<PlantWater::Result, double> PlantWater::solve(std::span<const Hydra
     }
     idle = error < 0.5 * least ? 0 : idle + 1;
     least = std::min(least, error);
-    // what rounding leaves does not become smaller
+    // errors of rounding do not become smaller
     if (isLinear || error <= kTolerance || (error <= kRoundingTolerance && idle >= 4)) {
       const double missing = missingWater(result.flow, plants);
       if (missing > kRoundingTolerance * all) {

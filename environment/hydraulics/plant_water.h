@@ -41,7 +41,7 @@ class PlantWater {
     double open = 0.0;          // conductance of the stomata without the part by head, m/s
     Air air;
   };
-  /// What a leaf of this kind does.
+  /// The state of a leaf of this kind.
   struct LeafState {
     double conductance = 0.0;  // of stomata and cuticle, m/s
     double temperature = 0.0;  // degrees Celsius
@@ -66,7 +66,7 @@ class PlantWater {
   struct Result {
     HydraulicTree::Result flow;
     std::vector<double> surfaceHeads;  // at the surface of each node's segment; of a segment without soil 0
-    std::vector<double> given;         // what each leaf gives, length³/day (nodes)
+    std::vector<double> given;         // the water that each leaf gives, length³/day (nodes)
     std::vector<LeafState> leaves;     // with stomata (nodes), or empty
     int rounds = 1;
   };
@@ -83,13 +83,13 @@ class PlantWater {
   [[nodiscard]] std::vector<double> changeOf(const Result& solution, const std::vector<double>& soilHeadChanges) const;
 
  private:
-  /// What a round of Newton's method found wrong, length³/day.
+  /// The error that a round of Newton's method found, length³/day.
   struct Wrong {
     double flow = 0.0;
-    double rounding = 0.0;  // what rounding of heads alone makes of it
+    double rounding = 0.0;  // from the rounding of heads alone
     double vessels = 0.0;   // part of kx
   };
-  /// What each node's exchange with the soil and leaf have wrong, length³/day (nodes).
+  /// The errors of each node's exchange with the soil and of its leaf, length³/day (nodes).
   struct Residuals {
     std::vector<double> soil, leaf;
   };

@@ -22,7 +22,7 @@ struct CellFactor {
 /// all pairs of cells in the block.
 [[nodiscard]] CellFactor cellFactor(double side, double radius);
 
-/// What a unit of root length takes up, and how it changes.
+/// The uptake of a unit of root length, and how it changes.
 struct RootUptake {
   double perLength = 0.0;    // length²/day, negative when water leaves the root
   double byHead = 0.0;       // how much less at a higher head in the xylem, length/day

@@ -8,8 +8,8 @@
 
 namespace espalier::environment {
 
-/// What roots do by themselves, whatever the soil and the collar do: the conductance of a plant (Krs) and the part of
-/// its uptake that each segment takes from a soil whose total head is the same everywhere (SUF).
+/// The properties of roots alone, independent of the soil and the collar: the conductance of a plant (Krs) and the part
+/// of its uptake that each segment takes from a soil whose total head is the same everywhere (SUF).
 class UptakeFractions {
  public:
   /// Takes the trees of a step, the nodes of one plant together. A plant whose nodes are those of the call before keeps

@@ -52,7 +52,7 @@ double clockOf(const turtle::World& world) {
   return days - std::floor(days);
 }
 
-/// What queries say about the segment before them.
+/// The data from queries about the segment before them.
 struct SegmentTraits {
   double age = 0.0;
   double order = 0.0;         // 0: as drawn
@@ -486,7 +486,7 @@ class Xylem final : public turtle::EnvironmentProcess {
                                                                  const std::vector<SegmentTraits>& traits,
                                                                  const Plants& plants, PlantWater& water,
                                                                  WaterSums& sums) {
-    std::vector<double> wanted;  // what queries at collars ask of each plant, length³/day
+    std::vector<double> wanted;  // the flow that queries at collars ask of each plant, length³/day
     for (std::size_t i = 0; i < trees.nodes().size(); ++i) {
       const PlantTrees::Node& node = trees.nodes()[i];
       wanted.resize(std::max<std::size_t>(wanted.size(), node.plant + 1), 0.0);
@@ -592,7 +592,7 @@ class Xylem final : public turtle::EnvironmentProcess {
   Vec3 up_{0.0, 1.0, 0.0};
   double days_ = 1.0;       // of a step
   double clock_ = 0.0;      // time of the day at the start, days after midnight
-  double axialUnit_ = 1.0;  // what kx is multiplied by
+  double axialUnit_ = 1.0;  // the factor of kx
   double metres_ = 1.0;     // of the length unit
   turtle::World world_;
   std::string lengthUnit_ = "m";

@@ -170,7 +170,7 @@ std::optional<std::string> Daylight::addHours(const Span& span, Incoming& incomi
         }
       }
     }
-    // what all suns of this hour give a horizontal plane, the one sun gives it too
+    // the one sun gives a horizontal plane as much as all suns of this hour
     if (core::length(sun) > 0.0) {
       incoming.suns.push_back({core::normalised(sun), core::length(sun)});
     }

@@ -78,7 +78,7 @@ inline constexpr std::array kDaylightKeys{
                               kSkyNames.begin());
 }
 
-/// What is wrong with the keys of sun and sky together. Empty: nothing.
+/// The problems of the keys of sun and sky together. Empty: none.
 [[nodiscard]] inline std::vector<core::Diagnostic> checkDaylight(std::string_view process,
                                                                  const Configuration& configuration) {
   if (configuration.text("sky") == "clear" && configuration.text("sun") == "none") {

@@ -8,8 +8,8 @@
 
 namespace espalier::environment {
 
-/// What is wrong with the rows x, y, z, weight of a process's key `sources`: a negative weight, no light at all, or,
-/// where x, y, z is a direction, one without length. Empty: nothing.
+/// The problems of the rows x, y, z, weight of a process's key `sources`: a negative weight, no light at all, or, where
+/// x, y, z is a direction, one without length. Empty: none.
 [[nodiscard]] std::vector<core::Diagnostic> problemsOfSources(std::string_view process, const ConfigurationRows& rows,
                                                               bool areDirections);
 

@@ -25,8 +25,8 @@ void placePoints(files::PointCloud& cloud, const PointPlacement& placement);
 /// Replaces `"pointFile": NAME` (LAS or PLY, looked for beside `file`) in the configuration of an entry by its points:
 /// attractors of `attractors` (`pointStrength`), markers of `colonization`, solid spheres of the other processes with
 /// obstacles (`pointRadius`). `pointOrigin`, `pointScale`, `pointAxes` place them, `pointSpacing` keeps the first point
-/// in each cube, `pointClasses` those classes of LAS. Entries without the key stay as they are. What is wrong is
-/// returned. O(points).
+/// in each cube, `pointClasses` those classes of LAS. Entries without the key stay as they are. A problem is returned.
+/// O(points).
 [[nodiscard]] std::optional<core::Diagnostic> embedPointFile(EnvironmentEntry& entry, const std::string& file,
                                                              core::FileProvider& files);
 

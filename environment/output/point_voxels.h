@@ -29,7 +29,7 @@ struct ScannedPoints {
 /// The points of plants in each cell, `pointCount`. A point on a face belongs to the cell with larger coordinates.
 [[nodiscard]] turtle::Field countPoints(const ScannedPoints& points, const VoxelBox& box);
 
-/// What pulses from one place tell about each cell. `pulses`: those that reach it. `gapFraction` P: the part of them
+/// The results of pulses from one place for each cell. `pulses`: those that reach it. `gapFraction` P: the part of them
 /// that no plant stops there. `leafAreaDensity` in 1/length: −ln P/(G ℓ), with the mean free path ℓ of these pulses
 /// through the cell and the projection G of a unit of leaf area (Béland et al., Agricultural and Forest Meteorology
 /// 151, 2011). A point of a pulse with n echoes is 1/n of a pulse. A cell that no pulse reaches, or where all end, has

@@ -21,7 +21,7 @@ struct EnvironmentFile {
   // the formats as written, with the blanks before them: position, heading, left, up, width, scale; empty: none
   std::array<std::string, 6> printed;
   std::size_t chunkModules = 100;  // modules in one chunk of the pipe coupling
-  // what a built-in process ignores of the command, and a program that is started receives
+  // the arguments that a built-in process ignores, and a program that is started receives
   std::vector<core::Diagnostic> ignoredArguments;
 };
 

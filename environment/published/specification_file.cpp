@@ -109,7 +109,7 @@ class SpecificationReader {
     specification_.values.insert_or_assign(std::string(keyword.key), isExact == switchesOn);
   }
 
-  /// What is dropped, and what is left at its default.
+  /// Warns of numbers that are dropped or left at their defaults.
   void warnOfNumbers(const PublishedLine& line, const PublishedKeyword& keyword, const std::vector<double>& numbers,
                      bool areWhole) {
     std::string used;

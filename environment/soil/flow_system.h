@@ -28,7 +28,7 @@ class FlowSystem {
   [[nodiscard]] bool solve(const std::vector<double>& right, double tolerance, std::vector<double>& result) {
     return solve(right, tolerance, result, nullptr);
   }
-  /// What is added to the product of the matrix and a vector.
+  /// A function that adds to the product of the matrix and a vector.
   using Addition = std::function<void(const std::vector<double>& v, std::vector<double>& result)>;
   /// The same with a matrix to which `addition` adds more; null: nothing.
   [[nodiscard]] bool solve(const std::vector<double>& right, double tolerance, std::vector<double>& result,

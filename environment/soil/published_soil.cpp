@@ -150,7 +150,7 @@ class PublishedSoil final : public turtle::EnvironmentProcess {
     answerAvoidance(field_, queries, query, replies);
   }
 
-  /// What a query obtains; with depletion it leaves the cell at once.
+  /// The amount that a query obtains; with depletion it leaves the cell at once.
   float take(std::size_t cell, float wanted) {
     if (isOfNoKind(cell)) {
       return wanted;

@@ -126,7 +126,7 @@ class RichardsSolver {
   /// has the flow of the step, and sinks() what `uptake` took.
   [[nodiscard]] double advance(double days, const SoilBorders& borders, const Tolerance& tolerance,
                                Uptake* uptake = nullptr);
-  /// What was wrong at the end of the last iteration in advance(), volume of water per volume of soil.
+  /// The residual at the end of the last iteration in advance(), volume of water per volume of soil.
   [[nodiscard]] double lastResidual() const { return lastResidual_; }
   /// The cell where it was largest.
   [[nodiscard]] std::size_t lastCell() const { return lastCell_; }

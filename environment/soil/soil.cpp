@@ -195,8 +195,8 @@ class Soil final : public turtle::EnvironmentProcess {
   }
 
  private:
-  /// All queries of a cell at once: all get what they want, or all the same share of it. What is given off (a negative
-  /// amount) is there only for the next step.
+  /// All queries of a cell at once: all get what they want, or all the same share of it. An amount that is given off
+  /// (negative) is there only for the next step.
   void shareOut(const turtle::QueryBatch& queries, turtle::ReplyBatch& replies) {
     struct Want {
       std::size_t cell;

@@ -17,7 +17,7 @@ void fillVectors(std::vector<double>& column, std::size_t count) {
 
 void QueryCollector::begin(std::uint32_t plant, std::uint64_t module, bool isTransient, std::string_view symbol) {
   QueryStorage& s = *storage_;
-  // what follows the one before is complete
+  // the columns of following modules are complete up to the query before
   if (!s.following.empty()) {
     s.following.resize(s.plant.size(), QueryColumns::kNoSymbol);
     s.followingOffset.resize(s.plant.size() + 1, s.followingParameters.size());

@@ -10,7 +10,7 @@
 
 namespace espalier::protocol {
 
-// What a Payload refers to. For protocol's own .cpp files only: the JSON library stays out of the other headers.
+// The content of a Payload. For protocol's own .cpp files only: the JSON library stays out of the other headers.
 
 /// A message of many queries or replies, read in one pass without a tree.
 struct BulkText {

@@ -12,7 +12,7 @@
 
 namespace espalier::server {
 
-/// What a peer was granted: its token and the roles.
+/// The grant of a peer: its token and the roles.
 struct Grant {
   std::shared_ptr<const Token> token;  // null: the server has no tokens
   protocol::Roles roles;
@@ -24,8 +24,8 @@ class Access {
   explicit Access(std::vector<Token> tokens);
 
   [[nodiscard]] bool hasTokens() const;
-  /// What the peer with this token gets of the roles that it asks for. No roles: all that the token has. Otherwise an
-  /// error sentence. The duration does not depend on how much of the token is right.
+  /// The roles that the peer with this token gets of those that it asks for. No roles: all that the token has.
+  /// Otherwise an error sentence. The duration does not depend on how much of the token is right.
   [[nodiscard]] tl::expected<Grant, std::string> grant(std::string_view token,
                                                        const std::vector<std::string>& roles) const;
   /// Why a grant does not hold any more, or nothing: the token has expired, or the operator took it away.

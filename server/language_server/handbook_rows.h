@@ -6,7 +6,7 @@
 
 namespace espalier::server {
 
-/// What the handbook says about a function: its row of function.def, as Markdown. Nothing for other names.
+/// The text of the handbook about a function: its row of function.def, as Markdown. Nothing for other names.
 [[nodiscard]] std::optional<std::string> handbookFunction(std::string_view name);
 
 /// The same for a turtle symbol (turtle_symbols.def): `F`, `[`, `@M`, `~`. `symbol` has one character, or begins with

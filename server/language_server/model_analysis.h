@@ -14,7 +14,7 @@
 
 namespace espalier::server {
 
-/// What the program knows about one model: its messages, and its names with their places.
+/// The program's knowledge of one model: its messages, and its names with their places.
 struct ModelAnalysis {
   std::string file;  // of the model
   std::vector<core::Diagnostic> diagnostics;

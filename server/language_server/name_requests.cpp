@@ -24,7 +24,7 @@ std::string_view lineAt(std::string_view text, std::size_t offset) {
   return text.substr(begin, std::min(text.find('\n', offset), text.size()) - begin);
 }
 
-/// What the turtle does with a module: also for the letters after `@`.
+/// The turtle's action for a module: also for the letters after `@`.
 std::optional<std::string> turtleMeaning(std::string_view text, const NameUse& name) {
   std::size_t at = name.offset;
   // `@M` and `@Gs` are modules one by one; the row is that of the whole

@@ -133,7 +133,7 @@ std::vector<turtle::Field> fieldsOf(simulation::Simulation& simulation) {
   return simulation.environment() == nullptr ? std::vector<turtle::Field>{} : simulation.environment()->fields();
 }
 
-/// What the environment holds in space, without the values.
+/// The fields of the environment, without their values.
 HttpPage fieldsPage(simulation::Simulation& simulation) {
   protocol::JsonWriter json;
   json.beginObject().key("step").integer(simulation.completedSteps()).key("fields").beginArray();

@@ -27,13 +27,13 @@ struct DownloadPath {
 [[nodiscard]] std::optional<DownloadPath> downloadPathOf(std::string_view target);
 
 /// Makes a download on a worker and calls `done` once, on any thread. blockBytes bounds the bytes. They count for the
-/// account as long as the page is there; so does the processor time. What is returned gives the download up: then
+/// account as long as the page is there; so does the processor time. The returned function gives the download up: then
 /// `done` may never be called.
 [[nodiscard]] std::function<void()> makeDownload(ServerCore& core, Account& account, const DownloadPath& path,
                                                  std::function<void(HttpPage)> done);
 
-/// What a request with this header `Authorization` is granted, or why it may not download. When the server has tokens,
-/// it must be `Bearer TOKEN` of a viewer.
+/// The grant for a request with this header `Authorization`, or why it may not download. When the server has tokens, it
+/// must be `Bearer TOKEN` of a viewer.
 [[nodiscard]] tl::expected<Grant, std::string> downloadGrant(std::string_view authorization, const Access& access);
 
 }  // namespace espalier::server

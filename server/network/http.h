@@ -9,7 +9,7 @@ namespace espalier::server {
 
 // Only for the files that know the network library.
 
-/// What the HTTP side needs of the network.
+/// The parts of the network that the HTTP side needs.
 struct HttpServices {
   ServerCore* core = nullptr;
   /// Gives a session to a connection and keeps it.

@@ -197,7 +197,7 @@ class Network::Implementation {
   /// Whether SIGHUP means that files have changed, and not that a terminal was closed.
   [[nodiscard]] bool readsAgain() const { return isEncrypted_ || core_->options().readAgain; }
 
-  /// What it returns gives later connections the new certificate; open ones keep the old one. On a worker.
+  /// The returned function gives later connections the new certificate; open ones keep the old one. On a worker.
   tl::expected<std::function<void()>, std::string> readCertificateAgain() {
     const auto fresh = std::make_shared<asio::ssl::context>(asio::ssl::context::tls_server);
     const ServerOptions& options = core_->options();

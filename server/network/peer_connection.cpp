@@ -241,7 +241,7 @@ void PeerConnection::decodeAndHandle(BigMessage& message, const TurnMeter& meter
   } else if (problem) {
     message.session->onLost(*problem);
   }
-  // what its params have taken, when they wait
+  // the memory of its params, when they wait
   if (request && meter.held() > 0) {
     message.session->holdForRequest(*request, static_cast<std::size_t>(meter.held()));
   }
@@ -298,7 +298,7 @@ asio::awaitable<void> PeerConnection::handOnWorker(Decode decode) {
     co_await message->done.async_wait(kAsTuple);
   }
   noteGreeting();
-  // what the message began may not have existed yet when the connection was closed
+  // work that the message began may not have existed yet when the connection was closed
   if (isClosed_) {
     message->session->onClosed();
   }

@@ -28,10 +28,10 @@ namespace asio = boost::asio;
 using boost::system::error_code;
 inline constexpr auto kAsTuple = asio::as_tuple(asio::use_awaitable);
 
-/// What is known of a connection from accept() on.
+/// The data of a connection that are known from accept() on.
 struct Accepted {
   std::string peerName;  // for the log
-  /// Until then the peer has said hello, after TLS, HTTP and whatever else comes before.
+  /// Until then the peer has said hello, after TLS, HTTP and everything else that comes before.
   std::chrono::steady_clock::time_point deadline;
   std::unique_ptr<Admission::Place> place;
 };
@@ -66,7 +66,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   std::function<void()> onClosed;
 
  protected:
-  /// What comes before the first message (TLS, the upgrade to a WebSocket). False: the peer is not wanted.
+  /// Does the handshakes before the first message (TLS, the upgrade to a WebSocket). False: the peer is not wanted.
   virtual asio::awaitable<bool> prepare() { co_return true; }
   /// Waits for bytes and hands on what is complete. False: the peer has ended.
   virtual asio::awaitable<bool> receive() = 0;
@@ -80,7 +80,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
 
   [[nodiscard]] ServerCore& core() { return *core_; }
   [[nodiscard]] bool isReading() const { return session_ != nullptr && !isClosing_; }
-  /// What the peer may send now; before hello it is little.
+  /// The limits of the peer's messages now; before hello they are low.
   [[nodiscard]] protocol::FrameLimits frameLimits() const;
   void count(std::size_t receivedBytes) {
     core_->metrics.bytesReceived += receivedBytes;
@@ -131,7 +131,7 @@ class PeerConnection : public Connection, public std::enable_shared_from_this<Pe
   asio::awaitable<void> writeAll();
   /// After noteEnd().
   asio::awaitable<void> answerRest();
-  /// What is to be written next; empty: nothing.
+  /// The messages to be written next; empty: none.
   [[nodiscard]] Batch takeOutbox();
 
   asio::any_io_executor executor_;

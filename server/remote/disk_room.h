@@ -8,7 +8,7 @@
 
 namespace espalier::server {
 
-/// Bytes on a disk that several files share. What is taken counts for the parent, too. Thread-safe.
+/// Bytes on a disk that several files share. Bytes that are taken count for the parent, too. Thread-safe.
 class DiskRoom {
  public:
   /// `what` (the files) and `limit` (the name of the bound) are for messages. `parent` lives longer; null: none.
@@ -37,7 +37,7 @@ class DiskRoom {
     used_ -= refuses != nullptr ? bytes : 0;
     return refuses;
   }
-  /// What was there before, or is not there any more (below 0).
+  /// Counts bytes that were there before, or are not there any more (below 0).
   void add(std::int64_t bytes) {
     used_ += static_cast<std::uint64_t>(bytes);
     if (parent_ != nullptr) {

@@ -53,7 +53,7 @@ class EnvironmentLink {
 
   /// How messages name it: "environment 'mylight'", "environment tcp://127.0.0.1:4000".
   [[nodiscard]] virtual std::string label() const = 0;
-  /// What the user can do when it is away, a whole sentence.
+  /// Advice for the user when it is away, a whole sentence.
   [[nodiscard]] virtual std::string remedy() const = 0;
   /// Makes sure that a peer is there, connecting when needed.
   [[nodiscard]] virtual std::optional<LinkFailure> connect() = 0;

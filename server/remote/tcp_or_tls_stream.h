@@ -27,7 +27,7 @@ class TcpOrTlsStream {
 
   [[nodiscard]] bool isEncrypted() const { return std::holds_alternative<Tls>(stream_); }
   [[nodiscard]] executor_type get_executor() { return next_layer().get_executor(); }
-  /// What Beast takes for the lowest layer.
+  /// The layer that Beast takes for the lowest one.
   [[nodiscard]] Tcp& next_layer() {
     return isEncrypted() ? std::get<Tls>(stream_).next_layer() : std::get<Tcp>(stream_);
   }

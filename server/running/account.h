@@ -18,7 +18,7 @@ namespace espalier::server {
 
 struct ServerLimits;
 
-/// What memory is taken for.
+/// The purpose of memory that is taken.
 enum class MemoryKind : std::uint8_t { Strings, Environments, Frames, Decoding, Compiling, Database };
 
 inline constexpr std::size_t kMemoryKindCount = 6;
@@ -26,8 +26,8 @@ inline constexpr std::size_t kMemoryKindCount = 6;
 inline constexpr std::array<std::string_view, kMemoryKindCount> kMemoryKindNames{
     "stringBytes", "environmentBytes", "frameBytes", "decodingBytes", "compilingBytes", "databaseBytes"};
 
-/// What one owner takes from the server, and at most may take. The account of the server is the parent of all others:
-/// what an owner takes counts there too. Thread-safe.
+/// The amounts that one owner takes from the server, and at most may take. The account of the server is the parent of
+/// all others: the amounts of an owner count there too. Thread-safe.
 class Account {
  public:
   struct Bounds {
@@ -46,7 +46,7 @@ class Account {
   [[nodiscard]] Bounds bounds() const {
     return {boundBytes_, boundSimulations_, boundStreams_, boundCpuSeconds_, traceRoom_.bound()};
   }
-  /// Others from now on. What the owner has beyond them stays.
+  /// Others from now on. Amounts of the owner beyond them stay.
   void setBounds(const Bounds& bounds);
 
   /// Takes memory when the owner and the server may have it. False: nothing was taken.

@@ -55,7 +55,7 @@ class HostedSimulation {
     const std::int64_t bytes = *environmentBytes_;
     return (bytes > 0 ? static_cast<std::uint64_t>(bytes) : 0) + (trace_ == nullptr ? 0 : trace_->memoryBytes());
   }
-  /// What its compiled models take that no other simulation shares, and what it was made from.
+  /// The bytes of its compiled models that no other simulation shares, and of the data that it was made from.
   [[nodiscard]] std::uint64_t modelBytes() const {
     return modelBytes_ + record_.create.name.size() + record_.create.environmentJson.size();
   }

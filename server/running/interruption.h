@@ -38,7 +38,7 @@ class Interruption {
     Scope(Interruption& interruption, std::function<void()> stop) : interruption_(&interruption) {
       const std::lock_guard lock(interruption_->mutex_);
       outer_ = std::move(interruption_->stop_);
-      // what is around it is stopped too
+      // the scope around it is stopped too
       interruption_->stop_ = [this, own = std::move(stop)] {
         own();
         if (outer_) {

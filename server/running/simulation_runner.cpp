@@ -50,7 +50,7 @@ void SimulationRunner::publishInformation() {
   information.isSaved = hosted_->isSaved();
   information.environment = hosted_->environmentNames();
   information.lastError = lastError_;
-  // what the turn has reserved is now counted where it is
+  // memory that the turn has reserved is now counted where it is
   if (meter_ != nullptr) {
     meter_->giveBack();
   }

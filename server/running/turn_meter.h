@@ -8,11 +8,12 @@
 
 namespace espalier::server {
 
-/// Bounds one turn of work by the memory of an account. What the turn takes is reserved in the account while it takes
-/// it, and given back at its end: what stays is then counted where it is (Holding). May be stopped from any thread.
+/// Bounds one turn of work by the memory of an account. Memory that the turn takes is reserved in the account while it
+/// takes it, and given back at its end: memory that stays is then counted where it is (Holding). May be stopped from
+/// any thread.
 class TurnMeter final : public core::WorkMeter {
  public:
-  /// What the work does when it is stopped.
+  /// The behaviour of work that is stopped.
   enum class WhenStopped : std::uint8_t {
     Asks,          // its loops ask isStopped()
     GetsNoMemory,  // it is code of a library that does not ask: the next block that it takes is refused

@@ -134,7 +134,7 @@ void WorkerPool::work() {
   std::unique_lock lock(mutex_);
   while (true) {
     wake_.wait(lock, [this] { return isStopping_ || readyLane() != nullptr; });
-    // what the destructor of the last task posted is still carried out
+    // tasks that the destructor of the last task posted are still carried out
     LaneState* const lane = readyLane();
     if (lane == nullptr) {
       return;

@@ -144,7 +144,7 @@ std::vector<core::Diagnostic> warningsOfKeys(const std::string& environmentJson)
   return warnings;
 }
 
-/// What a restarted server makes the simulation again from.
+/// The record from which a restarted server makes the simulation again.
 SimulationRecord recordOf(protocol::CreateParams params, const CompiledModels& models, std::string id,
                           std::string owner) {
   SimulationRecord record;

@@ -14,8 +14,8 @@
 
 namespace espalier::server {
 
-/// A peer's conversation of the Language Server Protocol. Only the documents that the peer opens are read. What it
-/// keeps counts for an account.
+/// A peer's conversation of the Language Server Protocol. Only the documents that the peer opens are read. Its memory
+/// counts for an account.
 class EditorConversation : public std::enable_shared_from_this<EditorConversation> {
  public:
   /// A message is answered as long as this lives; then the next one has its turn.
@@ -27,8 +27,8 @@ class EditorConversation : public std::enable_shared_from_this<EditorConversatio
   /// Calls `begin` when the turns before have ended: here, or at the end of the last of them on its thread. So messages
   /// that wait keep no worker. Thread-safe.
   void takeTurn(std::function<void(Turn)> begin);
-  /// Hands the answers of a message to `answer`. `run`: LanguageServer::receive. In a turn only. What it throws passes
-  /// through, as does WorkStopped; the conversation goes on after that.
+  /// Hands the answers of a message to `answer`. `run`: LanguageServer::receive. In a turn only. Exceptions of `run`
+  /// pass through, as does WorkStopped; the conversation goes on after that.
   void receive(const std::string& message, const OpenRun& run, const std::function<void(const Messages&)>& answer);
 
  private:

@@ -59,8 +59,8 @@ std::string nameOfSource(const language::Program& program, const std::string& pa
   return count > 1 ? path : name;
 }
 
-/// What a simulation of several models or plants adds to its files: a `forest.json` that makes it again. `mains` has
-/// the file of each model.
+/// Adds to the files of a simulation of several models or plants the `forest.json` that makes it again. `mains` has the
+/// file of each model.
 void writeForest(HostedSimulation& hosted, const std::vector<std::string>& mains, protocol::JsonWriter& result) {
   const protocol::CreateParams& create = hosted.record().create;
   result.key("forest").beginObject().key("models").beginArray();

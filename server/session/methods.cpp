@@ -15,7 +15,7 @@ namespace {
 
 using protocol::ErrorCode;
 
-/// What a handler gets: the column NEEDS of methods.def.
+/// The needs of a handler: the column NEEDS of methods.def.
 enum class Needs : std::uint8_t { Nothing, Simulation };
 
 /// The log names each change and the session that asked for it, but no single steps and nothing that only reads.

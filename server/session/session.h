@@ -82,7 +82,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   [[nodiscard]] std::string_view tokenName() const {
     return grant_.token == nullptr ? std::string_view() : std::string_view(grant_.token->name);
   }
-  /// What the peer asks for counts there.
+  /// The account in which the peer's requests count.
   [[nodiscard]] Account& account() const;
   /// Sends a command to a simulation as the work of a request, so that $/cancel and a lost connection reach it.
   void submit(const protocol::MessageId& id, std::shared_ptr<SimulationRunner> runner,

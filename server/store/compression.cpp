@@ -33,7 +33,7 @@ std::optional<std::string> decompress(std::string_view packed, std::uint64_t max
   if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) {
     return std::nullopt;
   }
-  // what no frame can hold: a block of 128 KB takes four bytes at least
+  // no frame can hold so much: a block of 128 KB takes four bytes at least
   constexpr unsigned long long kMostBytesOfAByte = 32'768;
   if (size / kMostBytesOfAByte > packed.size() || size > maximumBytes) {
     return std::nullopt;

@@ -11,7 +11,7 @@
 
 namespace espalier::server {
 
-/// What "saved" survives.
+/// The failure that a saved state survives.
 enum class Durability : std::uint8_t {
   Process,  // the end of the server's process, however it ends
   Power,    // also a power failure or a crash of the system: the disk is asked to keep it before the answer

@@ -22,7 +22,7 @@ constexpr std::size_t kMostModelBytes = 48'000'000;  // a message has 64 MB, and
 constexpr std::size_t kMostModels = 100'000;         // that are listed
 constexpr std::uint64_t kBytesOfAName = 4096;        // that a file or folder takes on the disk besides its content
 
-// what is a link is no file and no folder of a model
+// a link is no file and no folder of a model
 bool isPlainFile(const fs::directory_entry& entry) {
   std::error_code error;
   return entry.symlink_status(error).type() == fs::file_type::regular;
@@ -201,7 +201,7 @@ protocol::Expected<std::string> SavedModels::save(const protocol::SaveModelParam
   if (params.revision != present) {
     return tl::unexpected(changedError(params.name, present));
   }
-  // what it is then must be readable
+  // the changed model must be readable
   std::size_t count = params.files.size();
   for (const auto& [name, content] : files) {
     const bool isGone = std::ranges::find(params.remove, name) != params.remove.end();

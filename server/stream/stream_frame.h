@@ -37,8 +37,8 @@ struct StreamFrame {
   FrameBase base;  // for the next one; empty for streams without differences
 };
 
-/// Makes the frames of one view of a simulation for all its streams. What several streams need is made once. Refers to
-/// the drawing: use it before the next view is shown.
+/// Makes the frames of one view of a simulation for all its streams. Parts that several streams need are made once.
+/// Refers to the drawing: use it before the next view is shown.
 class FrameMaker {
  public:
   /// `milliseconds` of the step that made the view; `queries` of it, or null.

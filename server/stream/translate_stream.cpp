@@ -101,7 +101,7 @@ void writeSymbols(protocol::JsonWriter& writer, const std::vector<std::string>& 
   writer.endArray();
 }
 
-/// What is added, as people count: 2^32 - 1 is -1.
+/// The added number with its sign: 2^32 - 1 is -1.
 std::int64_t signedOf(std::uint32_t number) {
   return static_cast<std::int32_t>(number);
 }

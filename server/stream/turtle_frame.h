@@ -13,7 +13,7 @@ namespace espalier::server {
 /// The turtle records of one state as columns, one row a record. Never changes. The streams that show it share it;
 /// streams of differences keep it until their next frame.
 struct TurtleFrame {
-  std::shared_ptr<const std::vector<std::string>> symbols;  // what `symbol` refers to: Simulation::symbolNames
+  std::shared_ptr<const std::vector<std::string>> symbols;  // the names for `symbol`: Simulation::symbolNames
   std::vector<std::uint32_t> index;  // among all records of the state (rows); empty: the row itself
   std::vector<std::uint32_t> plant, module, symbol, colour, branchOrder;  // (rows) each
   std::vector<std::uint32_t> parent;                                      // index of a record, kNoParent: none (rows)

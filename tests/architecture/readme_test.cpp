@@ -1,4 +1,4 @@
-// What the front page says is in the repository.
+// The things that the front page names are in the repository.
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 namespace espalier::test {
 namespace {
 
-// what the files of a folder may include, by prefix of the included name
+// names that the files of a folder may include, by prefix of the included name
 const std::vector<std::pair<std::string, std::vector<std::string>>>& directions() {
   static const std::vector<std::pair<std::string, std::vector<std::string>>> kDirections = {
       {"engine/core/", {"engine/core/"}},

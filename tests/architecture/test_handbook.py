@@ -23,7 +23,7 @@ LONG_READMES = ("protocol/", "clients/gallery/", "tests/conformance/")
 # pages that readers of the repository do not have
 FOREIGN_PAGES = re.compile(r"\b(?:LANGUAGE|ENVIRONMENTS|FIDELITY|DIALECTS|PANELS|USERS)\b(?!_)|\b(?:FILES|PROTOCOL|STYLE|ARCHITECTURE) §"
                            r"|\bSTYLE\.md\b|\bPROTOCOL\.md\b|\bFILES\.md\b")
-# what other changes on their way bring; empty when they are here
+# the folders that other changes on their way bring; empty when they are here
 UNFINISHED_FOLDERS: tuple[str, ...] = ()
 SHARED_FOLDER = re.compile(r"\.\./shared\b")
 

@@ -23,7 +23,7 @@ void setCounter(benchmark::State& state, const char* name, double value) {
   state.counters[name] = Counter(value);
 }
 
-// what README.md explains for a run: figures of the fastest run, beside the fastest copy
+// the figures of README.md for a run: those of the fastest run, beside the fastest copy
 void report(benchmark::State& state, const DerivationRun& run, double seconds, double copySeconds) {
   const auto modules = static_cast<double>(run.modules);
   const double written =

@@ -124,7 +124,7 @@ struct Candidate {
   const char* name;
   std::string configuration;
   Parameters parameters;
-  bool remembersSteps = false;  // what did not change is not computed again
+  bool remembersSteps = false;  // unchanged parts are not computed again
 };
 
 std::vector<double> few(std::size_t i) {

@@ -1,5 +1,5 @@
-// A server in a process of its own: a step of a small plant there and back beside a bare echo of as many bytes, and
-// what a viewer of a big plant costs beside copying what changed.
+// A server in a process of its own: a step of a small plant there and back beside a bare echo of as many bytes, and the
+// cost of a viewer of a big plant beside copying the changes.
 
 #include <benchmark/benchmark.h>
 #include <sched.h>
@@ -110,7 +110,7 @@ std::size_t readLine(tcp::socket& socket, asio::streambuf& buffer) {
   return bytes;
 }
 
-/// What is asked, how long each answer took, and how long answers are.
+/// How much time each answer took, and the length of answers.
 struct RoundTrips {
   std::vector<double> microseconds;
   std::size_t answerBytes = 0;

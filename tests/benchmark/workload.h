@@ -38,7 +38,7 @@ struct Workload {
 /// Throws std::runtime_error when there is an error.
 void require(const std::optional<core::SimulationError>& error);
 
-/// What one run of a model from its axiom to its last step took and made.
+/// The time and the results of one run of a model from its axiom to its last step.
 struct DerivationRun {
   double seconds = 0.0;                    // of all steps: `derivationMilliseconds` of `espalier derive --statistics`
   std::uint64_t scannedModules = 0;        // read by all steps
@@ -46,7 +46,7 @@ struct DerivationRun {
   std::uint64_t parameters = 0;            // of the last string
   std::uint64_t previousModules = 0;       // of the string before the last
   std::uint64_t previousParameters = 0;    // of the string before the last
-  std::uint64_t residentBytes = 0;         // what the process grew by: both strings and what a step needs beside them
+  std::uint64_t residentBytes = 0;         // that the process grew by: both strings and the needs of a step
   std::vector<std::uint64_t> stringBytes;  // of the string that each step wrote (stepCount)
 };
 

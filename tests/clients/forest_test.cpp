@@ -293,7 +293,7 @@ TEST(ForestLayout, InCompetitionNeighboursHoldEachOtherOff) {
   EXPECT_LT(least->size, 0.75);
 }
 
-// The seedlings of a competition, and who is left, one pair after the other
+// The seedlings that are left of a competition, one pair after the other
 std::set<std::pair<double, double>> survivors(std::size_t count, std::uint64_t seed, bool* areTooFewLeft) {
   const core::CounterRandom random(seed, 0);
   std::uint64_t draw = 0;

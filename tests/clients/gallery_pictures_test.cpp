@@ -161,7 +161,7 @@ TEST_P(GalleryPicture, MadeAnewItLooksAsItIsKept) {
   const std::string file = folder.path() + "/a.png";
   ASSERT_EQ(setenv("PYTHONPATH", (sourceFolder() + "/clients/python").c_str(), 1), 0);
   const std::string arguments = pictures()[GetParam()];
-  // half the size and a few samples tell as much to who looks from afar
+  // half the size and a few samples tell as much to a person that looks from afar
   const bool isRendered = arguments.find("--render") != std::string::npos;
   const ProgramRun made = runProgram(
       (isForest(GetParam()) ? "forest" : "run clients/gallery/" + GetParam().substr(0, GetParam().find('@'))) +

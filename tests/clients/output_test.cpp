@@ -1,4 +1,4 @@
-// What run, export and watch write: formats, numbered files, failures that leave nothing.
+// The output of run, export and watch: formats, numbered files, failures that leave nothing.
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -161,7 +161,7 @@ TEST_F(Output, WarningsAboutAModelComeOnceForAllVariants) {
     return found;
   };
   EXPECT_EQ(count("unknown name 'y'"), 1U) << errors;
-  // what a run itself warns about is of that plant
+  // warnings of a run itself are of that plant
   EXPECT_GT(count("division by 0"), 1U) << errors;
   EXPECT_EQ(count("wrote w-00"), 4U) << errors;
 }

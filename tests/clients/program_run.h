@@ -13,7 +13,7 @@ inline constexpr const char* kHeight =
   return text.find(part) != std::string::npos;
 }
 
-/// What a run of the program left.
+/// The result of a run of the program.
 struct ProgramRun {
   int status = -1;     // exit status; -1: it did not end by itself
   std::string output;  // standard output

@@ -1,4 +1,4 @@
-// What `espalier validate` compares with: closed forms, tables of reference values, the verdict of a row.
+// The references of `espalier validate`: closed forms, tables of reference values, the verdict of a row.
 
 #include "clients/espalier/validation/validation.h"
 

@@ -15,7 +15,7 @@
 namespace espalier::test {
 namespace {
 
-// what a run of a case leaves, one string per step
+// the result of a run of a case, one string per step
 struct Recording {
   std::vector<std::string> derived;
   std::vector<std::string> answered;

@@ -27,7 +27,7 @@ using conformance::Deviation;
 /// the largest deviation that was accepted, with its step.
 [[nodiscard]] std::string runCase(const ConformanceCase& entry, core::Compatibility compatibility, Deviation& largest);
 
-/// What a runner with a list of exceptions has to say: empty when the case passes and is not listed, or fails and is
+/// The message of a runner with a list of exceptions: empty when the case passes and is not listed, or fails and is
 /// listed. `difference` is what runCase returned, `list` the list's file name.
 [[nodiscard]] std::string judge(const ConformanceCase& entry, const std::string& difference,
                                 const std::map<std::string, std::string>& exceptions, const std::string& list);

@@ -1,4 +1,4 @@
-// Whatever finite numbers a model sends: a process answers with finite numbers, or fails and is as before.
+// For all finite numbers that a model sends, a process answers with finite numbers, or fails and is as before.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What holds for every built-in process: replies that do not depend on the order of the queries, a state that can be
+// The contract of every built-in process: replies that do not depend on the order of the queries, a state that can be
 // saved and restored, and a description of the parameters that are sent and returned.
 
 #include <gtest/gtest.h>

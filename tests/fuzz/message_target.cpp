@@ -31,8 +31,8 @@ EnvironmentStepParams readBack(const Body& body) {
   return again.value();
 }
 
-/// What was read must be the same after it was written as text and in blocks. Text names the module of a query that
-/// blocks without that column leave out, so it is the same from the second time on.
+/// A step that was read must be the same after it was written as text and in blocks. Text names the module of a query
+/// that blocks without that column leave out, so it is the same from the second time on.
 void checkStep(const EnvironmentStepParams& step) {
   const std::string text = encode(step);
   ESPALIER_CHECK(encode(readBack(encodeBlocks(step))) == text);
@@ -69,7 +69,7 @@ void decodeAll(const Message& message) {
   }
 }
 
-/// What the fast reader takes, the tree takes too, and reads the same.
+/// Every line that the fast reader takes, the tree takes too, and reads the same.
 void checkBulk(std::string_view line) {
   BulkTextReader reader;
   const auto fast = reader.read(line);

@@ -35,7 +35,7 @@ TEST(FuzzRegressions, EveryFormerFindingIsAnsweredNow) {
   }
 }
 
-// what the fuzzer of messages begins with is right, and stays right through every way of writing it
+// the seeds of the fuzzer of messages are right, and stay right through every way of writing them
 TEST(FuzzRegressions, SeedsOfMessagesCrossTheWireUnchanged) {
   std::size_t count = 0;
   for (const auto& entry :
@@ -78,7 +78,7 @@ void expectRunFilesAreAnswered(const RunFiles& files, const std::string& model, 
   }
 }
 
-// what the fuzzers of stored runs begin with: the files of a run of every small model here
+// the seeds of the fuzzers of stored runs: the files of a run of every small model here
 TEST(FuzzRegressions, SnapshotsAndTracesWithAChangedByteAreAnswered) {
   std::mt19937 random(1);
   int runs = 0;
@@ -143,7 +143,7 @@ TEST(FuzzRegressions, DeepNestingIsRefusedNotFollowed) {
   }
 }
 
-// what the fuzzers of models and of forests begin with, also with a changed byte
+// the seeds of the fuzzers of models and of forests, also with a changed byte
 TEST(FuzzSeeds, FilesOfOtherProgramsAndForestsAreAnswered) {
   const std::filesystem::path gallery = std::filesystem::path(sourceFolder()) / "clients/gallery";
   std::mt19937 random(1);

@@ -84,7 +84,7 @@ void fuzzSnapshot(std::string_view bytes) {
   }
   (void)simulation.scene();
   (void)simulation.stringText(0);
-  // what was restored can be saved and restored again
+  // a restored simulation can be saved and restored again
   core::StringSink sink;
   simulation.save(sink);
   const std::uint64_t saved = simulation.stateHash();

@@ -89,7 +89,7 @@ void fuzzViewFile(std::string_view text) {
     const language::ViewFileResult result = language::readViewFile(kView, files, compatibility, smallLimits());
     formatAll(result.diagnostics);
     ESPALIER_CHECK(!result.diagnostics.hasErrors());
-    // what a model can ask of it
+    // the calls that a model can make
     for (const files::SplineFunction& function : result.settings.functions) {
       (void)function.value(0.3);
     }

@@ -1,4 +1,4 @@
-"""What the tests of the gallery's chapters share: strings, lines and rows of a chapter's model."""
+"""The common parts of the tests of the gallery's chapters: strings, lines and rows of a chapter's model."""
 
 import csv
 import re
@@ -42,7 +42,7 @@ def lines_of(model: str, *arguments: str) -> List[List[Point]]:
 
 
 def rows_of(model: str, *arguments: str) -> List[Dict[str, str]]:
-    """What the turtle does in a model, a row for each module."""
+    """The actions of the turtle in a model, a row for each module."""
     with tempfile.TemporaryDirectory() as folder:
         espalier("run", model, "--quiet", "-o", f"{folder}/a.csv", *arguments)
         with open(f"{folder}/a.csv", newline="", encoding="utf-8") as file:

@@ -89,7 +89,7 @@ def checksum(content: bytes) -> bytes:
 
 @dataclass
 class Surroundings:
-    """What the server runs in."""
+    """The conditions in which the server runs."""
 
     folder: Path
     is_encrypted: bool = False
@@ -489,7 +489,7 @@ def resident_bytes(process_id: int) -> int:
 
 
 def problems_at_end(server: Process, hostility: Hostility) -> List[str]:
-    """What is wrong with the server after all that, and with what it has kept when it was killed."""
+    """The problems of the server after all that, and of the state that it has kept when it was killed."""
     if server.process.poll() is not None:
         return [f"the server ended with {server.process.poll()}"]
     with Client(hostility.address, timeout=SECONDS, token=TOKEN) as client:
@@ -513,7 +513,7 @@ def problems_at_end(server: Process, hostility: Hostility) -> List[str]:
 
 
 def attack(seconds: float, folder: str, is_encrypted: bool = False) -> List[str]:
-    """What went wrong. Prints what was done, the waiting times, and the memory."""
+    """The problems. Prints the actions, the waiting times, and the memory."""
     surroundings = Surroundings(Path(folder), is_encrypted)
     surroundings.prepare()
     try:

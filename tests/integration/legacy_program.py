@@ -25,7 +25,7 @@ Vector = Tuple[float, float, float]
 
 
 class Settings:
-    """What the program takes from its `.e` file."""
+    """The settings that the program takes from its `.e` file."""
 
     def __init__(self, name: str) -> None:
         self.chunk = 100

@@ -1,4 +1,4 @@
-"""What the integration tests share: the program under test, and environments as processes."""
+"""The common parts of the integration tests: the program under test, and environments as processes."""
 
 import os
 import re

@@ -47,7 +47,7 @@ class BadInput(unittest.TestCase):
         self.addCleanup(self.client.close)
 
     def failure(self, mistaken: Type[Environment], mended: Type[Environment]) -> "tuple[ServerError, str]":
-        """What the server and the author of an environment say; the plant then goes on with the mended one."""
+        """The error of the server and the messages to the author of an environment; the plant then goes on with the mended one."""
         said = io.StringIO()
         with contextlib.redirect_stderr(said):
             plant = self.client.create(MODEL, environment=[self.client.attach(mistaken)])

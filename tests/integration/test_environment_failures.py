@@ -109,7 +109,7 @@ class Failures(unittest.TestCase):
         self.assertIn("the results could not be written to standard output: No space left on device", done.stderr)
 
     def scripts(self) -> Dict[str, str]:
-        """What each kind of misbehaviour is known by."""
+        """The words by which each kind of misbehaviour is known."""
         return {"throw": THREW, "hang": HUNG, "nan": NO_NUMBER, "die": "ended"}
 
     def script(self, does: str) -> Path:

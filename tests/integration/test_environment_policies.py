@@ -1,4 +1,4 @@
-"""What the command line does when an environment in another process fails."""
+"""The behaviour of the command line when an environment in another process fails."""
 
 import os
 import tempfile

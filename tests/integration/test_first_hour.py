@@ -1,4 +1,4 @@
-"""What somebody meets in the first hour: interrupted runs, mistyped commands, options and files that have no effect."""
+"""The problems of a user in the first hour: interrupted runs, mistyped commands, options and files that have no effect."""
 
 import signal
 import subprocess
@@ -29,7 +29,7 @@ class FirstHour(unittest.TestCase):
         model = self.file("Lsystem: 1\nderivation length: 10\nAxiom: F\nF --> F[+F][-F]F\nendlsystem\n")
         process = subprocess.Popen([program(), "run", model, "-o", str(self.folder / "big.obj"), "--quiet"],
                                    stderr=subprocess.DEVNULL,
-                                   # whoever runs the tests behind a shell's & ignores the signal, and so would the run
+                                   # tests that run behind a shell's & ignore the signal, and so would the run
                                    preexec_fn=lambda: signal.signal(number, signal.SIG_DFL))
         self.addCleanup(process.kill)
         deadline = time.monotonic() + SECONDS

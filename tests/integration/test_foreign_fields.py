@@ -44,7 +44,7 @@ class Foreign(unittest.TestCase):
         return xarray.Dataset({"swc": (("z", "y", "x"), numpy.arange(nx * ny * nz, dtype="f8").reshape(nz, ny, nx))}, axes)
 
     def converted(self, data: Any, name: str = "foreign.nc", **options: Any) -> fields.Fields:
-        """What Espalier reads from a data set that xarray wrote, without a warning of a library."""
+        """The fields that Espalier reads from a data set that xarray wrote, without a warning of a library."""
         path = self.folder / name
         data.to_zarr(path, **options) if name.endswith(".zarr") else data.to_netcdf(path, **options)
         return self.read(name)

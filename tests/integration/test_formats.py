@@ -1,4 +1,4 @@
-"""What run writes, read back by parsers that share nothing with the writers: the same model in every format agrees."""
+"""The files that run writes, read back by parsers that share nothing with the writers: the same model in every format agrees."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ class Formats(unittest.TestCase):
             self.assertEqual(entity.features["Order"], row["order"])
             self.assertEqual(entity.features["P1"], row["parameters"])
             self.assertEqual(entity.features["Time"], mtg.entities[-1].features["Time"])
-        # what is joined by + begins a branch of the next order; lengths are from the end of the entity before
+        # an entity that is joined by + begins a branch of the next order; lengths are from the end of the entity before
         for _, entity in mtg.finest():
             if entity.parent is not None:
                 before = mtg.entities[entity.parent].features

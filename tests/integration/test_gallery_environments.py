@@ -399,7 +399,7 @@ class GalleryEnvironments(unittest.TestCase):
                  for line in lines]
         for leaves in hours[2:]:
             for water, light in leaves:
-                # what light answered: both bands less long waves, and photons
+                # the answers of light: both bands less long waves, and photons
                 self.assertAlmostEqual(water[3], light[0] + light[4] - 30, places=6)
                 self.assertAlmostEqual(water[4], 4.57 * light[2], places=6)
                 # the drawn leaf is as large as the leaf that gives off water

@@ -243,7 +243,7 @@ class Hostile(unittest.TestCase):
         (wide / "w" / ".zattrs").write_text('{"_ARRAY_DIMENSIONS": ["a", "b"]}', encoding="utf-8")
         for name in ("wide.nc", "wide.zarr"):
             self.assertIn("w has 10000000000 numbers, and at most 400000000 are read at once", self.reader.convert(self.folder / name, self.folder / "out.nc"))
-            # what is not read costs nothing
+            # numbers that are not read cost nothing
             self.assertEqual(self.reader.convert(self.folder / name, self.folder / f"{name}.vti"), "read")
 
     def test_kinds_of_netcdf_that_are_no_numbers_are_refused(self) -> None:

@@ -71,7 +71,7 @@ class Version(unittest.TestCase):
 
 class ServiceManager(unittest.TestCase):
     def messages(self, *arguments: str, watchdog: bool) -> "list[str]":
-        """What a server tells the service manager until it has been stopped."""
+        """The messages of a server to the service manager until it has been stopped."""
         with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
             manager.bind(f"{folder}/notify")
             manager.settimeout(SECONDS)

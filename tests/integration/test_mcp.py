@@ -44,7 +44,7 @@ def said(answer: Dict[str, Any]) -> str:
 
 
 def check_answers(case: unittest.TestCase, answers: Dict[str, Any]) -> None:
-    """What the tools answered to the official SDK, against the command line."""
+    """Compares the tools' answers to the official SDK with the command line."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "model.l").write_text(MODEL, encoding="utf-8")
         derived = espalier("derive", f"{folder}/model.l", "--steps", "3", "--quiet").stdout.strip()

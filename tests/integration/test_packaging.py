@@ -25,7 +25,7 @@ from espalier import Server, viewing  # noqa: E402
 DEBIAN = REPOSITORY / "clients" / "packaging" / "debian"
 COMPILER = REPOSITORY / "clients" / "web" / "node_modules" / "typescript"
 
-# what every shell offers behind a line
+# the words that every shell offers behind a line
 OFFERS = {"deri": ["derive"], "self-": ["self-test"], "derive --comp": ["--compat"], "derive --compat ": ["cpfg", "cpfg-batch"],
           "connect 127.0.0.1:1 st": ["status", "step", "stream"], "token new --ro": ["--role"], "derive tr": ["tree.l"]}
 
@@ -95,7 +95,7 @@ class FromHelp(unittest.TestCase):
                 self.assertEqual((done.returncode, done.stderr), (0, ""), name)
 
     def completed(self, *words: str) -> List[str]:
-        """What bash offers for the last word."""
+        """The words that bash offers for the last word."""
         with tempfile.TemporaryDirectory() as folder:
             script = Path(folder) / "espalier"
             script.write_text(make_completions.bash(self.table), encoding="utf-8")
@@ -153,7 +153,7 @@ class Libraries(unittest.TestCase):
 
 
 class DebianScripts(unittest.TestCase):
-    """What the scripts of the packages say. The stage `package` runs them in a bare system, which has no systemd."""
+    """The content of the packages' scripts. The stage `package` runs them in a bare system, which has no systemd."""
 
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -255,7 +255,7 @@ class DebianScripts(unittest.TestCase):
 @unittest.skipUnless(shutil.which("npm"), "npm is not installed")
 @unittest.skipUnless(COMPILER.is_dir(), "the packages of clients/web are not there (./dev build fetches them)")
 class Archives(unittest.TestCase):
-    """What build_archives.sh packs for npm, Blender and R, used as people get it: without the repository."""
+    """The archives of build_archives.sh for npm, Blender and R, used as people get them: without the repository."""
     folder: ClassVar[Path]
 
     @classmethod

@@ -15,7 +15,7 @@ from espalier import Server
 
 README = REPOSITORY / "protocol" / "README.md"
 
-# what differs from run to run: only its type is compared
+# values that differ from run to run: only their type is compared
 VOLATILE = {"milliseconds", "bytes", "content", "snapshot", "uptimeSeconds", "storeBytes", "outboxBytes", "stringBytes",
             "environmentBytes", "frameBytes", "decodingBytes", "compilingBytes", "databaseBytes", "traceBytes", "usedBytes", "boundBytes", "cpuSeconds",
             "sessions", "workers", "server"}
@@ -25,7 +25,7 @@ ABBREVIATED = {"limits", "gallery", "entries", "pictures", "files"}
 NAMES = {"simulation", "stream", "model", "session"}
 # ids of examples that need a run that lasts, a peer that leaves, a smaller limit or binary blocks; each has a test of its own
 NOT_PLAYED = {7, 30, 36, 37, "s4", "s5", "s6", "s7"}
-# what the text only shows the error of
+# requests of which the text only shows the error
 ASKED: Dict[int, Dict[str, Any]] = {31: {"jsonrpc": "2.0", "id": 31, "method": "simulation.step",
                                          "params": {"simulation": "any", "steps": "three"}}}
 

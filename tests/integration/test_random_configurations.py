@@ -17,7 +17,7 @@ CALL_SECONDS = 3
 LIMITS = ["--limit", f"callSeconds={CALL_SECONDS}", "--limit", "memoryBytes=600000000", "--workers", "2",
           "--log-level", "off"]
 INTERNAL = -32603
-# what an answer may take: the seconds of its call, on a machine with other work
+# the time that an answer may take: the seconds of its call, on a machine with other work
 PATIENCE = 30.0
 
 

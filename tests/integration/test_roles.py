@@ -383,7 +383,7 @@ def package_server(configuration: str, errors: Any, *more: str) -> Any:
 
 
 class Offers(unittest.TestCase):
-    """Who may take over the name of an offered environment."""
+    """The peers that may take over the name of an offered environment."""
 
     def serve(self, *tokens: str, **limits: str) -> Server:
         folder = tempfile.TemporaryDirectory()

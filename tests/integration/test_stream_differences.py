@@ -25,7 +25,7 @@ endlsystem
 
 
 def bits(frame: Frame) -> Dict[str, Any]:
-    """What a frame says about the plant, with numbers as their bytes."""
+    """The data of a frame about the plant, with numbers as their bytes."""
     held: Dict[str, Any] = {"step": frame.step, "string": frame.string, "records": [repr(record) for record in frame.records]}
     for name, column in frame.columns.items():
         held[name] = (list(column.shape), bytes(column.tobytes()) if len(column) else b"")

@@ -86,7 +86,7 @@ class Terrain(unittest.TestCase):
         return self.folder / name
 
     def heights(self, file: Path) -> Tuple[Heights, Dict[str, Any]]:
-        """What we read, the northern row first, and the header of the field."""
+        """The heights that we read, the northern row first, and the header of the field."""
         raw = self.folder / "heights.raw"
         espalier("field", str(file), "--field", f"height={raw}")
         header = json.loads(Path(f"{raw}.json").read_text(encoding="utf-8"))

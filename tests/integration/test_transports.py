@@ -151,7 +151,7 @@ class Http(unittest.TestCase):
             self.assertEqual(connection.recv(100), b"")
         with socket.create_connection((host, int(port)), 30) as connection:
             connection.sendall(b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 5000)
-            # what was not read can make the system reset the connection before the answer has come
+            # bytes that were not read can make the system reset the connection before the answer has come
             self.assertIn(self.ended(connection)[:12], (b"", b"HTTP/1.1 431"))
         self.assertEqual(self.get("/health")[0], 200)
 
@@ -343,7 +343,7 @@ class ErrorNumbers(unittest.TestCase):
     HELLO = '{"jsonrpc":"2.0","id":1,"method":"hello","params":{"protocol":[1]}}'
 
     def answers(self, address: str, *lines: str) -> List[Dict[str, Any]]:
-        """What comes back for lines sent one after the other."""
+        """The answers to lines sent one after the other."""
         host, port = address.rsplit(":", 1)
         with socket.create_connection((host, int(port)), 30) as connection:
             with connection.makefile("r", encoding="utf-8", newline="\n") as heard:
@@ -482,7 +482,7 @@ class Traces(unittest.TestCase):
 
 
 class EnvironmentCheck(unittest.TestCase):
-    """What the author of an environment is told."""
+    """The messages to the author of an environment."""
 
     def check(self, text: str, *arguments: str, status: int = 0) -> str:
         with tempfile.TemporaryDirectory() as folder:

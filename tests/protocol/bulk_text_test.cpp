@@ -61,7 +61,7 @@ TEST(BulkText, AStepReadsBitwiseAsTheTreeReadsIt) {
   EXPECT_EQ(encode(fast), encode(slow));
   EXPECT_EQ(fast.queries.count, 300U);
   EXPECT_EQ(slow.simulation, "s");
-  // the text is there for who wants it
+  // the text is there for a caller that wants it
   EXPECT_EQ(message->payload.toText(),
             line.substr(line.find("{\"simulation"), line.size() - line.find("{\"simulation") - 1));
 }
@@ -96,7 +96,7 @@ TEST(BulkText, NumbersOfAnyLengthReadAsTheNearestDouble) {
     const std::string line = replyLine(3, text);
     const auto message = reader.read(line);
     const auto tree = decodeMessage(line).value();
-    // what the fast reader leaves to the tree is right too
+    // a line that the fast reader leaves to the tree is right too
     const Payload& payload = message ? message->payload : tree.payload;
     EXPECT_EQ(decodeReplies(payload, 4).value().values.back(), value) << text;
     EXPECT_EQ(decodeReplies(tree.payload, 4).value().values.back(), value) << text;

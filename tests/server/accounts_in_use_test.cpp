@@ -205,7 +205,7 @@ TEST(AccountsInUse, EachTokenHasAnAccountOfItsOwnAndNobodySeesAnother) {
   EXPECT_EQ(member(error.data, "bound"), "30000000");
   EXPECT_EQ(member(errorOf(ann->request("simulation.create", createParams(kSmall))).data, "limit"),
             "accountSimulations");
-  // what one may not have is there for the other
+  // the limit of one account does not bind the other
   const std::string other = create(*ben, kDoubling);
   EXPECT_EQ(member(resultOf(ben->request("simulation.step", named(other, R"("steps":17)"))), "step"), "17");
   const std::string account = member(statusOf(*ben), "account");
@@ -222,7 +222,7 @@ TEST(AccountsInUse, EachTokenHasAnAccountOfItsOwnAndNobodySeesAnother) {
   }
   EXPECT_EQ(accounts,
             "espalier_account_simulations{account=\"ann\"} 2\nespalier_account_simulations{account=\"ben\"} 1\n");
-  // a simulation counts for its maker, whoever steps it
+  // a simulation counts for its maker, also when another account steps it
   const std::uint64_t bytes = numberOf(account, "stringBytes");
   resultOf(ann->request("simulation.step", named(other)));
   EXPECT_GT(numberOf(member(statusOf(*ben), "account"), "stringBytes"), bytes);
@@ -274,7 +274,7 @@ TEST(AccountsInUse, TheMessageNamesTheAccountThatHasComputedEnough) {
       "Lsystem: 1\nderivation length: 100000\nAxiom: A\nA : { i = 0; while (i < 100000) { i = i + 1; } } 1 --> A\n"
       "endlsystem\n");
   const std::string other = create(*ben, kSmall);
-  // what ben asks of a simulation of ann counts for ann
+  // requests of ben to a simulation of ann count for ann
   const protocol::Error error = errorOf(ben->request("simulation.run", named(busy)));
   EXPECT_NE(error.message.find("The account 'ann' computes no more"), std::string::npos) << error.message;
   EXPECT_EQ(member(resultOf(ben->request("simulation.step", named(other))), "step"), "1");
@@ -387,7 +387,7 @@ TEST(AccountsInUse, WhatAnEditorKeepsCountsAsLongAsItsConnection) {
   }
   EXPECT_GT(compilingBytes(), 2'000'000U);
   EXPECT_LT(compilingBytes(), 2 * kept);
-  // what it may not keep is refused
+  // a document that it may not keep is refused
   const protocol::Error error = errorOf(openInEditor(*client, bigModel(250'000)));
   EXPECT_EQ(member(error.data, "limit"), "memoryBytes") << error.message;
   client.reset();

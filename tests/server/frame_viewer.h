@@ -8,7 +8,7 @@
 
 namespace espalier::server {
 
-/// What a viewer holds who had `base` and is told the change, put together as protocol/README.md says.
+/// The frame of a viewer that had `base` and is told the change, put together as protocol/README.md says.
 inline TurtleFrame viewedAfter(const TurtleFrame& base, const TurtleChange& change) {
   TurtleFrame result;
   result.symbols = change.fresh->symbols;

@@ -1,4 +1,4 @@
-// What a server does when its disk takes nothing more.
+// The behaviour of a server whose disk takes nothing more.
 #include <sys/resource.h>
 
 #include <csignal>

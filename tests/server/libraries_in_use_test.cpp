@@ -1,4 +1,4 @@
-// What libraries in C take, and what lies on the disk: counted and bounded.
+// The memory of libraries in C, and the bytes on the disk: counted and bounded.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -117,7 +117,7 @@ TEST(LibrariesInUse, TracesOnDiskAreBounded) {
     EXPECT_GT(used(), 15'000U);
     resultOf(client->request("simulation.step", named(first)));
   }
-  // what is on disk counts after a restart, too
+  // bytes on the disk count after a restart, too
   options.limits.traceBytes = 10'000;
   const RunningServer server(options);
   const auto client = connectTo(server);
@@ -190,7 +190,7 @@ TEST(LibrariesInUse, TracesOfEachTokenAreBounded) {
     }
     EXPECT_NE(listed().find("The trace ended, because all traces of the account 'ann' have "), std::string::npos);
     EXPECT_NE(listed().find(" of 20000 bytes (limit accountTraceBytes): "), std::string::npos) << listed();
-    // what one may not have is there for the other
+    // the limit of one account does not bind the other
     const std::uint64_t before = ownBytes(*ben);
     EXPECT_EQ(member(resultOf(ben->request("simulation.step", named(other, R"("steps":5)"))), "step"), "5");
     EXPECT_GT(ownBytes(*ben), before);
@@ -219,7 +219,7 @@ TEST(LibrariesInUse, TracesOfEachTokenAreBounded) {
     told += line.starts_with("espalier_account_trace_bytes{account=\"ann\"} ") ? line : "";
   }
   EXPECT_EQ(told, "espalier_account_trace_bytes{account=\"ann\"} " + std::to_string(bytesOfAnn));
-  // whoever deletes it
+  // also when another account deletes it
   resultOf(ben->request("simulation.delete", named(first)));
   EXPECT_EQ(ownBytes(*ann), 0U);
 }

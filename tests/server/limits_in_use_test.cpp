@@ -135,7 +135,7 @@ TEST(LimitsInUse, ASessionMakesAsManySimulationsAsItMayAndAnotherItsOwn) {
               "the limit 'simulationsPerSession' is 2, and this is 3. Delete one that this connection made first.");
   }
   (void)create(*connectTo(server), kGrowth);
-  // who deletes it does not matter
+  // another connection may delete it, too
   resultOf(connectTo(server)->request("simulation.delete", named(second)));
   (void)create(*client, kGrowth);
 }

@@ -77,7 +77,7 @@ TEST(RunawayEnvironments, ANarrowPlotEndsWithCallSeconds) {
   EXPECT_NE(error.message.find("callSeconds"), std::string::npos) << error.message;
 }
 
-// what plants have taken from a field or given to it comes back when the step is given up
+// amounts that plants have taken from a field or given to it come back when the step is given up
 TEST(RunawayEnvironments, AFieldThatSpreadsForLongEndsWithCallSecondsAndStaysAsItWas) {
   ServerOptions options;
   options.limits.callSeconds = 1;

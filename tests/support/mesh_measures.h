@@ -14,7 +14,7 @@
 
 namespace espalier::test {
 
-/// What can be measured of a mesh when vertices at exactly the same place are one.
+/// The measures of a mesh when vertices at exactly the same place are one.
 struct MeshMeasures {
   std::size_t triangleCount = 0;  // without those that have two corners at the same place
   std::size_t openEdgeCount = 0;  // edges that do not have exactly one triangle on each side

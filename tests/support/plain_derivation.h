@@ -31,7 +31,7 @@ class PlainDerivation {
   /// Runs StartEach. The string after step `step` (from 1), made from the one before it.
   [[nodiscard]] PlainString derive(const PlainString& old, std::uint64_t step);
 
-  /// What blocks have left: local variables of productions, variables of the L-system, elements of its arrays.
+  /// Values left by blocks: local variables of productions, variables of the L-system, elements of its arrays.
   [[nodiscard]] const std::vector<double>& statics() const { return statics_; }
   [[nodiscard]] const std::vector<double>& variables() const { return variables_; }
   [[nodiscard]] const std::vector<double>& elements() const { return elements_; }

@@ -66,7 +66,7 @@ def run(part: Part, folder: pathlib.Path, seconds: float) -> list[Result]:
             reason = f"not finished after {seconds} s"
         text = output.decode(errors="replace")
         begun = []
-        # what stands between the beginnings of two tests
+        # the text between the beginnings of two tests
         for said in text.split("[ RUN      ] ")[1:]:
             test = said.split(maxsplit=1)[0]
             if test not in remaining:

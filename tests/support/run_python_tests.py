@@ -45,7 +45,7 @@ def run(tests: list[unittest.TestCase]) -> Outcome:
 
 
 def in_own_process(tests: list[unittest.TestCase]) -> Outcome:
-    """What run() says, also when the process that runs it dies; what a test leaves behind does not reach the next class."""
+    """The outcome of run(), also when the process that runs it dies; remains of a test do not reach the next class."""
     began = time.monotonic()
     receiving, sending = PROCESSES.Pipe(duplex=False)
     child = PROCESSES.Process(target=lambda: sending.send(run(tests)))

@@ -278,7 +278,7 @@ int runOnce(RunOptions& options, ModelOptions model, std::optional<std::uint64_t
   model.remote.keepsState =
       std::any_of(options.outputs.files.begin(), options.outputs.files.end(),
                   [&](const std::string& file) { return formatOf(options.outputs, file) == nullptr; });
-  // what there is to say about the model was said with the first variant; each run has messages of its own
+  // messages about the model came with the first variant; each run has messages of its own
   model.isQuiet = options.model.isQuiet || variant > 1;
   std::optional<LoadedModel> loaded = resumed ? loadResumed(model, resumed->info, files) : loadModel(model, files);
   if (!loaded) {

@@ -43,7 +43,7 @@ constexpr GalleryHash kHashes[] = {
 #include "clients/espalier/installation/self_test.def"
 };
 
-/// What the tests share: this program, and a folder for their files.
+/// The common parts of the tests: this program, and a folder for their files.
 class Installation {
  public:
   Installation() {

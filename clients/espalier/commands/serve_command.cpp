@@ -97,7 +97,7 @@ std::optional<std::string> applyLimits(const ServeOptions& options, server::Serv
   return std::nullopt;
 }
 
-/// What a configuration had when the server was started.
+/// The content of a configuration when the server was started.
 struct AtStart {
   std::map<std::string, std::vector<std::string>> items;  // beside limits and tokens
   bool hasLimits = false;

@@ -80,7 +80,7 @@ bool isFile(const std::string& missing) {
   return missing.find("the function") == std::string::npos;
 }
 
-/// What a case leaves out for want of a file, and where that is published: a sentence.
+/// The part that a case leaves out without a file, and where the file is published: a sentence.
 std::string leftOut(const validation::CaseResult& result, const std::string& missing, const std::string& file) {
   if (!isFile(missing)) {
     return (result.rows.empty() ? "It needs " : "A part of it needs ") + missing;
@@ -209,7 +209,7 @@ std::optional<std::vector<std::string>> writePictures(const validation::Case& on
   return addresses;
 }
 
-/// What is printed and written of the cases.
+/// The printed and written report of the cases.
 class Report {
  public:
   /// `parts` are those of the page, by case.

@@ -6,7 +6,7 @@
 
 namespace espalier::conformance {
 
-/// What a program left that ended by itself.
+/// The output of a program that ended by itself.
 struct ProgramOutput {
   std::string output;  // standard output
   std::string errors;  // standard error

@@ -109,7 +109,7 @@ ForestColours::ForestColours(std::uint64_t seed) {
 
 namespace {
 
-// what a line of a tree is part of: the axis from its base to its tip
+// a line of a tree, with the axis that it is part of, from its base to its tip
 struct TreeLine {
   core::Vec3 direction;
   std::uint32_t parent = turtle::kNoParent;  // line that it grows from

@@ -16,7 +16,7 @@ constexpr double kRoom = 1.1;  // between plants, of the larger side of the larg
 
 std::uint64_t hashOf(const simulation::Simulation& simulation) {
   core::Hasher hasher;
-  // what is drawn for a string may have random numbers of its own
+  // the drawing of a string may have random numbers of its own
   for (const language::LSystem& system : simulation.program().systems) {
     const auto& images = system.homomorphism.productions;
     if (!std::ranges::all_of(images, [](const language::Production& image) { return image.isPure; })) {

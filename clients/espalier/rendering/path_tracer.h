@@ -22,7 +22,7 @@ class SampleNumbers {
   std::uint32_t dimension_ = 0;
 };
 
-/// What a viewer sees along one ray.
+/// The result of following one ray of the viewer.
 struct Seen {
   bool isPlant = false;
   Light light{};       // of a plant

@@ -17,7 +17,7 @@ constexpr double kSkyShare = 0.34;  // of the light on a level ground
 constexpr Light kSkyColour{0.86, 0.97, 1.22};
 constexpr double kSunRadius = 0.0140;  // radians; the sky's is 0.0047
 constexpr double kLowestSun = 0.0872;  // sine of 5 degrees
-constexpr double kGroundLight = 0.32;  // what the ground throws back, as seen from above
+constexpr double kGroundLight = 0.32;  // the light that the ground throws back, seen from above
 
 }  // namespace
 

@@ -23,7 +23,7 @@ class Daylight {
   [[nodiscard]] core::Vec3 towardSun(double u, double v) const;
   /// The light of the sun on a surface that faces it.
   [[nodiscard]] const Light& sun() const { return sun_; }
-  /// What is seen of the sky in a direction, without the sun. From below the horizon: what a bright ground throws back.
+  /// The light of the sky in a direction, without the sun. From below the horizon: the light of a bright ground.
   [[nodiscard]] Light sky(const core::Vec3& direction) const;
   /// The light of sun and sky on a level ground by its parts: sun, sky. The parts of both sum to 1.
   [[nodiscard]] const Light& sunOnGround() const { return sunOnGround_; }

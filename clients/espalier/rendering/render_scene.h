@@ -48,7 +48,7 @@ class RenderScene {
 
   /// The first place on a ray; nothing: it leaves the scene. `direction` is a unit vector. Thread-safe.
   [[nodiscard]] std::optional<Meeting> meet(const core::Vec3& origin, const core::Vec3& direction) const;
-  /// What of the light comes along a ray from outside, 0 to 1: leaves with holes let some through.
+  /// The part of the light that comes along a ray from outside, 0 to 1: leaves with holes let some through.
   [[nodiscard]] double arriving(core::Vec3 origin, const core::Vec3& direction) const;
 
  private:

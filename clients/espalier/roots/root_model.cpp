@@ -66,7 +66,7 @@ std::string textOf(const RootSystem& roots, const Appearance& appearance, std::v
       children[nodes[i].parent].push_back(i);
     }
   }
-  // what continues an axis comes last and needs no brackets
+  // the child that continues an axis comes last and needs no brackets
   for (std::uint32_t i = 0; i < nodes.size(); ++i) {
     std::stable_partition(children[i].begin(), children[i].end(),
                           [&](std::uint32_t child) { return nodes[child].axis != nodes[i].axis; });

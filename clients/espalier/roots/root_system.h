@@ -27,7 +27,7 @@ struct RootSystem {
     bool hasDiameter = true;  // false: the file gives none, and the radius is 0
     double emergence = std::numeric_limits<double>::quiet_NaN();  // day; not a number: unknown
   };
-  /// What a file says of an axis beside its nodes.
+  /// The data of an axis in a file beside its nodes.
   struct Axis {
     std::string id, label;         // empty: none
     std::uint32_t plant = 0;       // index of plants
@@ -42,7 +42,7 @@ struct RootSystem {
   std::vector<turtle::RsmlLabels::Plant> plants;  // of the file; empty: not known
   std::vector<Axis> axes;                         // by number; empty: not known
   std::string unit;                               // of lengths; empty: unknown
-  std::string remark;                             // what could not be read as the file says it; empty: nothing
+  std::string remark;                             // the parts that could not be read as the file says; empty: none
 
   /// Whether there is something to draw.
   [[nodiscard]] bool hasLines() const;
@@ -107,7 +107,7 @@ struct DatedRoots {
 /// productions. `roots` has no problemOfDays().
 [[nodiscard]] std::string modelOf(const RootSystem& roots);
 
-/// What a file of the drawn roots says beside their lines: plants, names, exact days. Empty for a table.
+/// The labels in a file of the drawn roots beside their lines: plants, names, exact days. Empty for a table.
 [[nodiscard]] turtle::RsmlLabels labelsOf(const RootSystem& roots);
 
 }  // namespace espalier::roots

@@ -49,7 +49,7 @@ std::vector<std::string> namesIn(const std::string& text) {
   return names;
 }
 
-// what would end the expression, and with it the production
+// whether a text would end the expression, and with it the production
 bool leavesExpression(const std::string& text) {
   int depth = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {

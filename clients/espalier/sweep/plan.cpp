@@ -19,7 +19,7 @@ using nlohmann::ordered_json;
 using Names = std::vector<std::string_view>;
 
 constexpr std::uint64_t kMostRuns = 100'000'000;
-constexpr std::uint64_t kLargestSeed = (std::uint64_t{1} << 53U) - 1;  // what every JSON reader keeps exactly
+constexpr std::uint64_t kLargestSeed = (std::uint64_t{1} << 53U) - 1;  // exact in every JSON reader
 
 /// Reads the members of one JSON object and collects the mistakes.
 class MemberReader {

@@ -92,8 +92,8 @@ struct KeptFile {
   std::uint64_t every = 1;
 };
 
-/// What `espalier sweep` reads from a PLAN.json. docs/sweeps.md describes it for users; planSchema() is its JSON
-/// Schema.
+/// The plan that `espalier sweep` reads from a PLAN.json. docs/sweeps.md describes it for users; planSchema() is its
+/// JSON Schema.
 struct Plan {
   std::string text;  // the JSON in one form, whatever its layout: two plans with equal texts ask for the same
   std::string model;

@@ -13,7 +13,7 @@
 
 namespace espalier::command {
 
-/// What a file of results says about its sweep. Two files can be merged, and a sweep can continue, when all is equal.
+/// The description of a sweep in its results. Two files can be merged, and a sweep can continue, when all is equal.
 struct SweepDescription {
   std::string plan;      // Plan::text
   std::string identity;  // SweptModel::identity
@@ -65,7 +65,7 @@ class SweepResults {
   std::unique_ptr<State> state_;
 };
 
-/// What differs between two descriptions, as a sentence; empty: nothing.
+/// The difference between two descriptions, as a sentence; empty: none.
 [[nodiscard]] std::string differenceOf(const SweepDescription& a, const SweepDescription& b);
 
 }  // namespace espalier::command

@@ -24,7 +24,7 @@
 
 namespace espalier::command {
 
-/// What the runs of a plan share, as the caller has found it: the files of the model and its environment.
+/// The common input of the runs of a plan, as the caller has found it: the files of the model and its environment.
 struct SweepInput {
   Plan plan;
   language::CompileInput model;  // without the macros that the parameters set
@@ -80,7 +80,7 @@ class SweptModel {
   std::list<std::pair<std::vector<double>, std::shared_ptr<const ModelVariant>>> variants_;
 };
 
-/// What one run gave.
+/// The result of one run.
 struct RunOutcome {
   std::vector<double> values;  // by measure; not a number: the plant has no such value
   std::string error;           // empty: the run reached its end

@@ -15,7 +15,7 @@
 
 namespace espalier::validation {
 
-/// What becomes of the light that comes in.
+/// The fluxes of the light that comes in.
 struct Fluxes {
   double up = 0.0, down = 0.0, byPlants = 0.0, byGround = 0.0;
 };

@@ -5,7 +5,7 @@
 
 namespace espalier::validation {
 
-/// What a layer of leaves does with light, as parts of what comes in.
+/// The light fluxes of a layer of leaves, as parts of the light that comes in.
 struct LayerFluxes {
   double reflected = 0.0, absorbed = 0.0, down = 0.0;  // down: on the ground, also light that comes down again
 };

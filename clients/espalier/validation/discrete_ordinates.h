@@ -6,7 +6,7 @@
 
 namespace espalier::validation {
 
-/// What a layer of small leaves without a preferred direction does with light, over a ground: the equation of transfer
+/// The light fluxes of a layer of small leaves without a preferred direction, over a ground: the equation of transfer
 /// by discrete ordinates (Ross 1981; leaves of both sides alike scatter by the kernel (ρ I₋ + τ I₊)/π with
 /// I₋ = (sin β − β cos β)/3π, I₊ = I₋ + cos β/3 and β the angle of turn). A beam from a zenith angle in degrees, or a
 /// uniform sky. Accurate to about 2·10⁻⁴.

@@ -123,8 +123,8 @@ std::vector<Fluxes> fluxesOf(const Canopy& canopy, const ForestRows& group, bool
   return rayFluxes(canopy, kPlot, bands, lightOfGroup(group), 16, groundCells, isQuick ? 1 : 2);
 }
 
-/// What a process makes of the forests of a density under one light, beside the published fluxes and the Monte Carlo
-/// run.
+/// The results of a process for the forests of a density under one light, beside the published fluxes and the Monte
+/// Carlo run.
 struct Comparison {
   std::string zenith;              // as in the table
   Largest published, own;          // own: the Monte Carlo run on the same crowns

@@ -191,7 +191,7 @@ double passedLeaves(const BlackLayer& row, std::size_t leaves, int threads) {
   return rayFluxes(canopy, kSide, {Band{}}, row.lightOfRow(), 16, 16, threads).front().down;
 }
 
-/// What passes below 60° of the zenith by the kind of leaves, and the closed form.
+/// The light that passes below 60° of the zenith by the kind of leaves, and the closed form.
 void addBlackCurves(CaseResult& result) {
   result.across = "zenith angle, degrees";
   result.up = "part of the light that passes black leaves of index 1";
@@ -378,8 +378,8 @@ Arrangement arrangementOf(const std::string& kind, double p1, double p2, double 
   return both;
 }
 
-/// What black receivers get of the light that a sheet gives off, as a part: the sheet lets all light through, or gives
-/// it back, evenly. The receivers have so many rays in all.
+/// The part of the light of a sheet that black receivers get: the sheet lets all light through, or gives it back,
+/// evenly. The receivers have so many rays in all.
 double factorBetween(const Arrangement& both, std::size_t rays) {
   turtle::QueryBatch queries = queriesAt(std::vector<Vec3>(both.canopy.count()), {0.0, 0.0});
   queries.geometry = both.canopy.geometry();

@@ -22,7 +22,7 @@ struct RootTable {
 [[nodiscard]] std::optional<RootTable> readRootTable(const Data& data, const std::string& name,
                                                      std::vector<std::string>& missing);
 
-/// What the segments of a table of roots have beside their places.
+/// The properties of segments in a table of roots beside their places.
 struct RootProperties {
   double kx = 0.0;  // unless by age
   double kr = 0.0;

@@ -54,7 +54,7 @@ struct Picture {
 struct CaseResult {
   std::vector<Row> rows;
   std::vector<Curve> curves;
-  std::string across;                // what the curves have along the horizontal, with its unit: "time, day"
+  std::string across;                // the quantity along the horizontal, with its unit: "time, day"
   std::string up;                    // and along the vertical
   std::vector<std::string> missing;  // files of data without which a part is left out
   std::vector<Picture> pictures{};   // further ones

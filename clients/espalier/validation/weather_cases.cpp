@@ -74,7 +74,7 @@ double generalSky(const std::string& sky, const Vec3& direction, const Vec3& sun
          (1.0 + kC * (core::exp(kD * core::acos(cosine)) - core::exp(kD * pi / 2.0)) + kE * cosine * cosine);
 }
 
-/// What the two sides of a leaf get together of a sky that gives a horizontal plane 1, by the midpoint rule.
+/// The light on both sides of a leaf together from a sky that gives a horizontal plane 1, by the midpoint rule.
 double lightOfSky(const std::string& sky, const Vec3& sun, const Vec3& normal) {
   constexpr int kUp = 400;
   constexpr int kAround = 800;

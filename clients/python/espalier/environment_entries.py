@@ -1,4 +1,4 @@
-"""What create() takes as `environment`, as the list of entries that the protocol has."""
+"""The `environment` of create(), as the list of entries that the protocol has."""
 
 from __future__ import annotations
 

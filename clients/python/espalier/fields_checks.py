@@ -1,4 +1,4 @@
-"""What a file of quantities may hold before a library reads it: kinds of numbers, codecs, sizes of parts, links.
+"""The bounds of a file of quantities before a library reads it: kinds of numbers, codecs, sizes of parts, links.
 
 Zarr decodes a part of an array with the codecs that the folder itself names, and some of them run code or make objects. So the
 metadata of all arrays are read here first, and each part is measured when it is read.
@@ -45,7 +45,7 @@ class FieldError(Exception):
 
 
 class FieldWarning(UserWarning):
-    """What was left out of a file, or taken for granted: one sentence."""
+    """A part of a file that was left out, or an assumption about it: one sentence."""
 
 
 def _itemsize(kind: Any, name: str) -> int:

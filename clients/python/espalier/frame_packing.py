@@ -54,7 +54,7 @@ def pack_frame(frame: bytes) -> bytes:
 
 
 def _uses(document: Dict[str, Any]) -> Dict[int, str]:
-    """What each accessor is for."""
+    """The use of each accessor."""
     found: Dict[int, str] = {}
     for mesh in document.get("meshes", []):
         for primitive in mesh["primitives"]:

@@ -104,7 +104,7 @@ _ENTITY = re.compile(r"(\^?)([/<+]*)([A-Za-z]+)\d*")
 def _vertices(file: Path) -> List[_Vertex]:
     """The vertices of the finest scale of an MTG file."""
     lines = _text(file).splitlines()
-    # what Espalier wrote ends with this comment, so that a copy that was cut is seen
+    # a file that Espalier wrote ends with this comment, so that a copy that was cut is seen
     if any(line.startswith(_PROMISE) for line in lines[:5]) and next((line for line in reversed(lines) if line.strip()), "").strip() != "# end":
         raise ValueError(f"'{os.fspath(file)}' ends before its last line '# end': get a complete copy.")
     start = next((i for i, line in enumerate(lines) if line.strip().upper().startswith("MTG:")), None)

@@ -109,7 +109,7 @@ class Model:
         self.parameters: List[str] = header["parameters"]
         self.measures: List[str] = header["measures"]
         self.seed: int = header["seed"]
-        # what the compiler says about the model; a read that moves no position, which the process shares
+        # the compiler's messages about the model; a read that moves no position, which the process shares
         said = os.pread(self._errors.fileno(), 1 << 20, 0).decode("utf-8", "replace").strip()
         if said:
             self._warn(said, said, 5)

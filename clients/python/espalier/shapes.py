@@ -1,4 +1,4 @@
-"""What a server's answers and frames hold, as Python values."""
+"""The contents of a server's answers and frames, as Python values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Vector = Tuple[float, float, float]
 
 @dataclass(frozen=True)
 class StepResult:
-    """What a call of step made.
+    """The result of a call of step.
 
     >>> client.create(gallery="classic-algae").step(2).statistics["modules"]
     3
@@ -72,7 +72,7 @@ class TurtleRecord:
 
 @dataclass(frozen=True, repr=False)
 class Frame:
-    """What a stream says about one step. A frame with turtle records is a table: iterate over its rows, or convert it.
+    """The data of a stream about one step. A frame with turtle records is a table: iterate over its rows, or convert it.
 
     >>> with client.create(gallery="classic-weed").stream() as stream:
     ...     frame = stream.read()
@@ -193,7 +193,7 @@ def read_frame(shape: Mapping[str, Any], blocks: Blocks = MappingProxyType({})) 
 
 
 def read_step(shape: Mapping[str, Any]) -> StepResult:
-    """What the answer to simulation.step or simulation.run says."""
+    """The result in the answer to simulation.step or simulation.run."""
     return StepResult(int(shape["step"]), bool(shape["finished"]), bool(shape["truncated"]),
                       bool(shape.get("saved", False)), shape["statistics"])
 
@@ -204,6 +204,6 @@ def step_of(frame: Frame) -> StepResult:
 
 
 def read_model(shape: Mapping[str, Any]) -> CompiledModel:
-    """What the answer to model.check or model.load says."""
+    """The compiled model in the answer to model.check or model.load."""
     return CompiledModel(str(shape.get("model", "")), bool(shape["valid"]), int(shape.get("derivationLength", 0)),
                  shape.get("diagnostics", []))

@@ -47,7 +47,7 @@ PLANTS = (
 
 
 class DemoFailed(Exception):
-    """What went wrong, in a sentence that says what to do."""
+    """The failure, in a sentence that says what to do."""
 
 
 def python_variables() -> Dict[str, str]:

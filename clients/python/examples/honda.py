@@ -23,7 +23,7 @@ class Honda(Environment):
     needs = ("position", "parameters")
     inputs = (Variable("vigor"), Variable("group"))
     outputs = (Variable("free"),)
-    # what the command line says; a simulation's configuration wins
+    # the settings of the command line; a simulation's configuration wins
     radius = 0.0
     axes: Sequence[int] = (0, 2)
 

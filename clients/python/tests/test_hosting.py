@@ -123,7 +123,7 @@ class Requests(unittest.TestCase):
     def ask(self, host: hosting.Host, method: str, **parameters: Any) -> Any:
         response = host.handle(wire.request(1, method, parameters))
         assert response is not None
-        # what is answered can be sent
+        # the answer can be sent
         wire.encode(response)
         return response.get("result", response.get("error"))
 

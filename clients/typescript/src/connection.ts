@@ -7,7 +7,7 @@ export type Method = keyof Methods;
 export type Params<M extends Method> = Methods[M]["params"];
 export type Result<M extends Method> = Methods[M]["result"];
 
-/** What a request of the peer is answered with. */
+/** The answer to a request of the peer. */
 export interface Answer {
   result: unknown;
   blocks?: OutgoingBlock[];

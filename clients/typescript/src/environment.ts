@@ -34,7 +34,7 @@ export interface Step {
   /** In days. */
   time: number;
   queries: Query[];
-  /** What the plants look like, for an environment whose `needs` have `geometry`. */
+  /** The shapes of the plants, for an environment whose `needs` have `geometry`. */
   geometry?: Geometry;
 }
 

@@ -1,4 +1,4 @@
-// What plants look like: straight round segments, and organs that are meshes. protocol/README.md, Geometry.
+// The shapes of plants: straight round segments, and organs that are meshes. protocol/README.md, Geometry.
 import { NEW_ROWS, Rows, runsOf } from "./rows.js";
 import type { Run, RowRange } from "./rows.js";
 import type { Geometry as GeometryText } from "./protocol.js";

@@ -17,7 +17,7 @@ export interface StreamOptions {
   precision?: "single";
 }
 
-/** What every frame says. */
+/** The members of every frame. */
 export interface Frame {
   simulation: string;
   step: number;
@@ -27,7 +27,7 @@ export interface Frame {
   finished: boolean;
 }
 
-/** What a frame of each kind of stream has besides. */
+/** The further members of a frame of each kind of stream. */
 export interface Contents {
   statistics: { statistics: Statistics };
   string: { string: string };

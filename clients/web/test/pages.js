@@ -1,6 +1,6 @@
-// What the tests of the pages share: a server, Chromium, and what they wait for. ESPALIER_PROGRAM and ESPALIER_CHROMIUM name the
-// programs; ESPALIER_PICTURES a folder for pictures of the pages; ESPALIER_STUDIO a folder with studio.js and studio.css, which the
-// pages get instead of those in the program: a changed page is tried without building the program.
+// The common parts of the tests of the pages: a server, Chromium, and functions that wait. ESPALIER_PROGRAM and ESPALIER_CHROMIUM
+// name the programs; ESPALIER_PICTURES a folder for pictures of the pages; ESPALIER_STUDIO a folder with studio.js and studio.css, which
+// the pages get instead of those in the program: a changed page is tried without building the program.
 import { spawn, spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";

@@ -24,7 +24,7 @@ test("a page without a model in its address shows a tree whose buds ask for ligh
 });
 
 test("a page whose first hello came too late connects again when it is made", async () => {
-  // the server hangs up on who says no hello for ten seconds; a busy machine takes longer to make the page
+  // the server hangs up on a peer that says no hello for ten seconds; a busy machine takes longer to make the page
   const page = await open(`${running.address}/#gallery=parametric-tree`, "shown", () => {
     let isFirst = true;
     const WithLateHello = class extends WebSocket {
@@ -266,7 +266,7 @@ test("a table of variations grows beside the plant, and a click takes one over",
   await page.waitForFunction(() => document.querySelector('[data-variation="0 0"]').title === "seed 7");
   await page.click('[data-variation="1 2"]');
   await page.waitForFunction(() => studio.counts.waiting === 0 && studio.seed === 15 && studio.isFinished);
-  // what was given up half-way is gone from the server
+  // simulations that were given up half-way are gone from the server
   await page.waitForFunction(async (wanted) => (await studio.list(), studio.simulations.length === wanted), count);
   await page.close();
 });

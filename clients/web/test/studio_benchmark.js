@@ -134,7 +134,7 @@ measure("changes", async () => {
   const page = await openPage(`${running.address}/#gallery=branch-tiers`);
   // a quarter of a million segments (more would be drawn for minutes); then one in sixty, in branches of its own, grows
   const model = "Lsystem: 1\nderivation length: 100\nAxiom: A(9)\nA(n) : n == 3 --> A(2)A(2)A(2)A(2)[+G(1)]\nA(n) : n > 0 --> A(n-1)A(n-1)A(n-1)A(n-1)\nA(n) --> F(0.1)+(1)\nG(l) --> G(l*1.01)\nendlsystem\n";
-  // what is drawn is no matter here
+  // shadows and ground do not matter here
   await page.getByLabel("shadows").uncheck();
   await page.getByLabel("ground").uncheck();
   await grown(page, "million", model, 10);

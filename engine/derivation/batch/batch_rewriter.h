@@ -63,7 +63,7 @@ class BatchRewriter {
   [[nodiscard]] bool write(core::ModuleTypeId* types, double* parameters);
   /// The place in the result of what a module of the last choice has become, counted from the result's first module.
   [[nodiscard]] std::uint64_t placeOfResult(std::uint64_t module) const;
-  /// What blocks have left in local variables since the last choice, as far as write() has run.
+  /// The values that blocks have left in local variables since the last choice, as far as write() has run.
   [[nodiscard]] const LastStores& stores() const { return stores_; }
   /// Notes the modules that the last choice leaves as they are; `target` is the module of the new string where its
   /// result begins. Some may be missing.

@@ -401,7 +401,7 @@ bool ColumnEvaluator::loadElements(const ColumnInstruction& instruction, double*
       std::size_t inside = 0;
       for (std::size_t lane = 0; lane < lanes_.count; ++lane) {
         const double value = at(subscript, lane);
-        // what truncates to 0 is inside, too
+        // a value that truncates to 0 is inside, too
         const bool isInside = value > -1.0 && value < static_cast<double>(size);
         places[lane] += step * static_cast<std::uint32_t>(static_cast<std::int32_t>(isInside ? value : 0.0));
         inside += isInside || !isActive(lane) ? 1 : 0;

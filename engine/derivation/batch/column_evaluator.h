@@ -46,7 +46,7 @@ struct ColumnValue {
   double constant = 0.0;
 };
 
-/// What code reads beside the lanes. Views; the caller keeps all of it until the next begin.
+/// The inputs of code beside the lanes. Views; the caller keeps all of it until the next begin.
 struct ColumnInputs {
   double step = 0.0;                        // Q
   double length = 0.0;                      // Z

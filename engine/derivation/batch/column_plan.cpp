@@ -71,7 +71,7 @@ class ColumnCompiler::Translation {
   [[nodiscard]] ColumnCode take() { return std::move(made_); }
 
  private:
-  /// What is known where a stretch begins.
+  /// The state that is known where a stretch begins.
   struct Entry {
     bool isReached = false;
     std::size_t height = 0;
@@ -197,7 +197,7 @@ bool ColumnCompiler::Translation::closeStretch(const Instruction* jump) {
       }
     }
   }
-  // what stays on the stack moves to the columns in which the next stretches expect it
+  // values that stay on the stack move to the columns in which the next stretches expect them
   for (std::size_t height = 0; hasJumps() && isReachable_ && height < stack_.size(); ++height) {
     const ColumnOperand operand = stack_[height];
     if (operand.kind != ColumnOperand::Kind::Column || operand.index != carrier(height)) {

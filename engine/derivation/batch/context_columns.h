@@ -44,7 +44,7 @@ class ContextColumns {
     std::uint64_t module;
     std::uint64_t offset;
   };
-  /// What a search to the right does at a module.
+  /// The move of a search to the right at a module.
   enum class Move : std::uint8_t {
     Stop,   // the element's module must be this one
     Pass,   // on to the next module

@@ -56,9 +56,9 @@ class RandomSource {
     }
     return static_cast<double>(selectionWords_[index & 3U]) * 0x1.0p-32;
   }
-  /// What selection() draws from in Espalier's own mode.
+  /// The generator of selection() in Espalier's own mode.
   [[nodiscard]] const core::CounterRandom& selectionSource() const { return selection_; }
-  /// What uniform() draws from in Espalier's own mode.
+  /// The generator of uniform() in Espalier's own mode.
   [[nodiscard]] const core::CounterRandom& mainSource() const { return main_; }
   [[nodiscard]] bool isSequential() const { return isSequential_; }
 

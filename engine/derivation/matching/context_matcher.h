@@ -18,7 +18,7 @@ class ContextRules {
   [[nodiscard]] bool isIgnored(core::ModuleTypeId type) const { return (traits_[type] & kIgnored) != 0; }
   [[nodiscard]] bool isRing() const { return isRing_; }
 
-  /// What searches ask about a module type, as bits. 0: every search stops at such a module.
+  /// The properties of a module type that searches test, as bits. 0: every search stops at such a module.
   static constexpr std::uint8_t kIgnored = 1;
   static constexpr std::uint8_t kOpenBranch = 2;
   static constexpr std::uint8_t kCloseBranch = 4;
@@ -40,7 +40,7 @@ struct ContextString {
   LeftShortcuts* shortcuts = nullptr;  // for this string and the rules of the search; null: long searches walk
 };
 
-/// What a search saw for one element of a context.
+/// The result of a search for one element of a context.
 struct ContextLook {
   enum class Result : std::uint8_t { Matched, OtherModule, StringEnd, LoneBracket };
   Result result = Result::Matched;

@@ -23,7 +23,7 @@ DerivationOptions helperOptions(const DerivationOptions& owner) {
 
 }  // namespace
 
-/// What one thread scans with.
+/// The working data of one thread.
 class ParallelGeneralScan::Helper {
  public:
   explicit Helper(const ScanContext& owner)

@@ -35,7 +35,7 @@ class BatchScan {
   std::uint64_t generalStretch_ = 1;  // modules that are left to it behind a module that batches cannot do
 };
 
-/// What the context says to a BatchRewriter at this place of the step.
+/// The data of the context that a BatchRewriter needs at this place of the step.
 [[nodiscard]] BatchRewriter::Step batchStep(const ScanContext& context);
 
 }  // namespace espalier::derivation

@@ -18,7 +18,7 @@ class DecompositionPasses {
 
   /// Decomposes `made`. False: something warns, fails or exceeds a limit, and `made` is of no use.
   [[nodiscard]] bool run(ModuleString& made);
-  /// What blocks have left in local variables in the last run.
+  /// The values that blocks have left in local variables in the last run.
   [[nodiscard]] const LastStores& stores() const { return stores_; }
 
  private:

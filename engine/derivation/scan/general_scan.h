@@ -7,7 +7,7 @@ namespace espalier::derivation {
 
 /// Every module in the general way, so that the Rewriter sees every decision: for the record of one module
 /// (Derivation::deriveRecorded), for the counts of productions, and for the origins
-/// of modules. What stays as it was is noted module by module.
+/// of modules. Unchanged modules are noted one by one.
 class GeneralScan {
  public:
   /// Both must outlive the object.

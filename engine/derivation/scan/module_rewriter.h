@@ -10,7 +10,7 @@ namespace espalier::derivation {
 /// symbol, else as a copy. The scans call it for every module that their shortcuts cannot do.
 class ModuleRewriter {
  public:
-  /// What happened to the module.
+  /// The effect of the step on the module.
   enum class Fate : std::uint8_t { Rewritten, Copied, Cut };
   struct Outcome {
     std::uint64_t modules = 1;  // of the old string consumed

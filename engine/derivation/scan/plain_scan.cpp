@@ -241,7 +241,7 @@ void PlainScan::scanBlocks(std::uint64_t end, double draw, ScanPlace& place) {
   while (true) {
     const TypePlan& typePlan = plans_[types[place.module]];
     rewriteWithBlocks(typePlan, place, draw, target);
-    // what blocks do can be seen, so none runs behind a module that exceeds a limit
+    // effects of blocks can be seen, so none runs behind a module that exceeds a limit
     if (isNearLimits) {
       context_->rewriter.checkSize(static_cast<std::uint64_t>(target.type - output.types().data()),
                                    static_cast<std::uint64_t>(target.parameter - output.parameters().data()));

@@ -23,8 +23,8 @@ struct ScanPlace {
   std::uint64_t offset = 0;  // of the module's parameters
 };
 
-/// What every scan reads and writes. A scan goes over the modules of the old string and appends what becomes of them to
-/// `output`. One thread at a time.
+/// The data that every scan reads and writes. A scan goes over the modules of the old string and appends their results
+/// to `output`. One thread at a time.
 struct ScanContext {
   /// `program` and `tables` must outlive the object.
   ScanContext(const language::Program& program, const std::vector<SystemTables>& tables, DerivationOptions options);
@@ -74,7 +74,7 @@ struct ScanContext {
   ModuleString output;                // the string being produced; between steps: the string that was read last
   StringRotation rotation;            // memory for `output` and the plant's string
   CutParts cuts;                      // of the step
-  StepChanges* changes = nullptr;     // what the step leaves as it was is noted here; null: nowhere
+  StepChanges* changes = nullptr;     // the unchanged modules of the step are noted here; null: nowhere
   StringIndex index;                  // brackets of the string that is read
   bool isOutputIndexed = false;       // between steps: `index` is that of `output`
   LeftShortcuts shortcuts;            // in the string that is read, by the rules of the main L-system

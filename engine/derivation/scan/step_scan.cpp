@@ -32,7 +32,7 @@ StepScan::~StepScan() = default;
 StepScan::Kind StepScan::chooseKind(const ModuleString& old) const {
   const SystemTables& tables = context_->tables.front();
   const DerivationOptions& options = context_->options;
-  // what the model needs comes first
+  // the needs of the model come first
   if (context_->program.hasSubSystems) {
     return Kind::SubSystems;
   }

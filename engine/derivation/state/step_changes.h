@@ -23,9 +23,9 @@ struct StringStretch {
   std::uint64_t first = 0;             // the number of the first of them
 };
 
-/// What a string of a plant still has of an older one: runs of modules that are as they were. All other modules may
-/// have changed. A step, the answers to queries, an edit or a restore each yield such a value, and the values of
-/// several changes in a row join into one (`then`). It refers to no string.
+/// The part of a plant's string that is unchanged from an older one: runs of modules that are as they were. All other
+/// modules may have changed. A step, the answers to queries, an edit or a restore each yield such a value, and the
+/// values of several changes in a row join into one (`then`). It refers to no string.
 class StepChanges {
  public:
   /// Modules; a shorter run between two changes costs more than it saves, and may be left out.

@@ -47,7 +47,7 @@ class StringReader {
   }
 
  private:
-  // what the model has instead
+  // the counts that the model has instead
   [[nodiscard]] std::string otherCounts(std::string_view name) const {
     std::string counts;
     for (const language::ModuleType& type : program_.types) {

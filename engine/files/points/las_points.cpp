@@ -49,7 +49,7 @@ class LasBytes {
   std::string_view bytes_;
 };
 
-/// What the header says about the points.
+/// The header's information about the points.
 struct LasHeader {
   std::uint64_t points = 0;  // where they begin
   std::uint64_t count = 0;

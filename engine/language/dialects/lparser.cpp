@@ -30,7 +30,7 @@ constexpr std::array<files::PaletteColour, 16> kPalette{
     files::PaletteColour{120, 170, 240}, files::PaletteColour{70, 70, 70},    files::PaletteColour{200, 180, 140},
     files::PaletteColour{240, 240, 240}};
 
-/// What a symbol of the turtle does, as cpfg modules: without a number, and with the number x.
+/// The effect of a symbol of the turtle, as cpfg modules: without a number, and with the number x.
 struct Drawing {
   char symbol;
   std::string_view plain;

@@ -10,7 +10,7 @@
 
 namespace espalier::language {
 
-/// What a name in the text of a model stands for.
+/// The kind of a name in the text of a model.
 enum class NameKind : std::uint8_t {
   Macro,
   Variable,       // of an L-system
@@ -52,7 +52,7 @@ struct NameUse {
 /// A macro that a file defines.
 struct MacroDefinition {
   std::string name;
-  std::string text;        // what it stands for
+  std::string text;        // that replaces the name
   std::uint32_t file = 0;  // index into SourceMap::files
   std::uint32_t offset = 0;
   std::uint32_t textOffset = 0;  // of `text`; the text is as in the file unless a comment or line end was in it

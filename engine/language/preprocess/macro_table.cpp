@@ -8,7 +8,7 @@
 namespace espalier::language {
 namespace {
 
-// what macros may expand to: so many bytes, and so many for each byte of the model's text
+// the longest text that macros may expand to: so many bytes, and so many for each byte of the model's text
 constexpr std::uint64_t kLeastExpansion = 1'000'000;
 constexpr std::uint64_t kMostExpansion = 100;
 

@@ -38,7 +38,7 @@ struct ViewCommandContext {
   };
   std::vector<NamedContour> contours{};
 
-  // what the named files may still use
+  // the amounts that the named files may still use
   std::uint64_t remainingBytes = 0;
   int openedFileCount = 0;
   files::ReadingBudget budget{};

@@ -52,7 +52,7 @@ void AnswerPass::interpret() {
   // seeds need the turtle's position, whatever the environment needs
   turtle::EnvironmentNeeds needs = parts_.environment.description().needs;
   needs.position = needs.position || parts_.models.hasLifeQueries();
-  // what has changed in each string since the last pass
+  // the changes of each string since the last pass
   const bool wasKnown = parts_.changes.isKnown(ChangeReader::Queries);
   parts_.changes.follow(ChangeReader::Queries, wantsChanges());
   const auto changes = parts_.changes.take(ChangeReader::Queries, population.states());

@@ -45,7 +45,7 @@ void DerivationPass::derivePlant(std::size_t plant) {
   population_->derivation(plant).derive(state, isFollowed_ ? &transaction_->derivedChanges(plant) : nullptr,
                                         productions_->isFollowed() ? &productions_->of(plant) : nullptr,
                                         ages_->isFollowed() ? &ages_->of(plant) : nullptr);
-  // what those before have cannot become less: the outcome is the same in any order
+  // the amounts of the plants before cannot become less: the outcome is the same in any order
   if (population_->states().size() > 1) {
     requireTogether(derivedModules_ += state.string.size(), derivedBytes_ += state.string.bytes());
   }

@@ -10,15 +10,15 @@
 
 namespace espalier::simulation {
 
-/// What the environment has already done for the step under way. A step that is tried again does not ask for it twice.
+/// The environment's finished work for the step under way. A step that is tried again does not ask for it twice.
 struct EnvironmentAnswer {
   bool hasReplies = false;
   bool hasTicked = false;
   turtle::ReplyBatch replies;
 };
 
-/// One step as a transaction over the plants: it remembers whatever the step overwrites, and takes it back when the
-/// step fails. The environment's answer survives a failed step and ends with a completed one.
+/// One step as a transaction over the plants: it remembers everything that the step overwrites, and takes it back when
+/// the step fails. The environment's answer survives a failed step and ends with a completed one.
 class StepTransaction {
  public:
   explicit StepTransaction(std::size_t plantCount = 0, EnvironmentAnswer answer = {})
@@ -41,11 +41,11 @@ class StepTransaction {
   /// The derivation of a plant says here what it left of the string.
   [[nodiscard]] derivation::StepChanges& derivedChanges(std::size_t plant);
   [[nodiscard]] bool hasNotedAnswers() const { return hasNotedAnswers_; }
-  /// What the answers left of a plant's string; null: they changed nothing, or nobody wants to know.
+  /// The part of a plant's string that the answers left unchanged; null: they changed nothing, or nobody wants to know.
   [[nodiscard]] const derivation::StepChanges* answered(std::size_t plant) const {
     return undo_[plant].isAnswered ? &undo_[plant].answered : nullptr;
   }
-  /// What the derivation left of it; null: the plant was not derived, or nobody wants to know.
+  /// The part of it that the derivation left unchanged; null: the plant was not derived, or nobody wants to know.
   [[nodiscard]] const derivation::StepChanges* derived(std::size_t plant) const {
     return undo_[plant].isDerived ? &undo_[plant].derived : nullptr;
   }

@@ -108,7 +108,7 @@ std::vector<GroundContact> groundContactsOf(const Scene& scene) {
   }
   std::vector<GroundContact> contacts;
   for (const Stem& stem : stems.all()) {
-    // what begins higher hangs on another stem
+    // a stem that begins higher hangs on another one
     const PlantHeights& plant = plants[stem.plant];
     const bool stands = stem.isUpright && stem.hasParts && stem.height() > kFlattest * stem.halfWidth() &&
                         stem.foot.y - plant.low <= kDeepestPart * (plant.high - plant.low);

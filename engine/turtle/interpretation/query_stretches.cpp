@@ -159,7 +159,7 @@ class QueryStretches::Pass {
     passage.endsString = module_ == size_;
     passage.modules = module_ - stretch->firstModule;
     passage.parameters = offset_ - firstOffset;
-    // what is beyond the bound is interpreted again in the next pass
+    // stretches beyond the bound are interpreted again in the next pass
     const std::uint64_t bytes = stretch->bytes();
     isWhole_ = isWhole_ && bytes_ + bytes <= std::max(size_, kStretchModules) * kMostBytesPerModule;
     if (isWhole_) {

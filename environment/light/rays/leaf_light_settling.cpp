@@ -55,8 +55,8 @@ LeafLight::Balance LeafLight::settle(std::size_t band, const std::vector<double>
   return balance;
 }
 
-/// What the plants leave of the light that comes in falls on the ground, spread as its own rays say: many leaves know
-/// it better than the few cells of the ground.
+/// The incoming light that the plants leave falls on the ground, spread as its own rays say: many leaves know it better
+/// than the few cells of the ground.
 void LeafLight::giveTheGroundTheRest(double incoming, const Vec3& up, std::vector<double>& irradiances) const {
   double plants = 0.0;
   double seen = 0.0;

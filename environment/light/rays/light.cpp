@@ -178,7 +178,7 @@ class Light final : public turtle::EnvironmentProcess {
     return std::nullopt;
   }
 
-  /// What becomes of the light that comes in over the plot, W/m² of it.
+  /// The fluxes of the light that comes in over the plot, W/m² of it.
   struct Fluxes {
     double incoming = 0.0;
     double up = 0.0;        // scattered, to the sky

@@ -30,7 +30,7 @@ RTCRay rayAlong(const Vec3& direction) {
   return ray;
 }
 
-/// What a ray carries besides Embree's part: its ends, the triangles, and the nearest hit so far.
+/// The data of a ray besides Embree's part: its ends, the triangles, and the nearest hit so far.
 struct HitContext {
   RTCIntersectContext embree;
   const float* vertices = nullptr;            // three a vertex

@@ -36,7 +36,7 @@ using core::Vec3;
 
 constexpr std::size_t kAnswers = 5;  // to a query, of each band
 
-/// What bands with leaves of the same absorptance have in common: extinction of the light of each source.
+/// The common data of bands with leaves of the same absorptance: extinction of the light of each source.
 struct Medium {
   double dimming = 1.0;             // √α (Goudriaan 1977); with scattering 1
   std::vector<double> extinctions;  // √α G, per leaf area density and length (sources)
@@ -240,7 +240,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     }
     return unit_ == "umol" ? "umol/(m^2 s)" : unit_ == "mol" ? "mol/(m^2 day)" : sources_.isInWatts() ? "W/m^2" : "1";
   }
-  /// What the relative light of a band is multiplied with in replies.
+  /// The factor of the relative light of a band in replies.
   [[nodiscard]] double scaleOf(std::size_t band) const {
     if (unit_ == "relative") {
       return sources_.irradiance();

@@ -35,7 +35,7 @@ class ScatteredLight {
     double irradiance = 0.0;  // of a horizontal plane
     double projection = 0.0;  // G of the leaves
   };
-  /// What becomes of the light that comes in over the box, as irradiances of its base.
+  /// The fluxes of the light that comes in over the box, as irradiances of its base.
   struct Fluxes {
     double incoming = 0.0;
     double up = 0.0;
@@ -75,8 +75,8 @@ class ScatteredLight {
     double projection = 0.0;  // G of the leaves
     std::vector<Piece> pieces;
   };
-  /// What leaves make of light that comes along some ways: sources along pairs of opposite directions. Leaves send
-  /// ρ + τ evenly to both sides, and by τ − ρ more onwards than back. So the sum of the light of two opposite ways
+  /// The response of leaves to light that comes along some ways: sources along pairs of opposite directions. Leaves
+  /// send ρ + τ evenly to both sides, and by τ − ρ more onwards than back. So the sum of the light of two opposite ways
   /// gives the even part of a pair, and their difference the odd part.
   struct Exchange {
     std::size_t ways = 0;

@@ -48,7 +48,7 @@ std::optional<std::string> VoxelSources::open(const turtle::World& world) {
     sources_.push_back(sourceOf(sun));
   }
   fixedCount_ = sources_.size();
-  // what is known before the first step
+  // the irradiance that is known before the first step
   irradiance_ = isInWatts() ? 0.0 : isRelative_ ? 1.0 : configuration_.number("irradiance");
   return std::nullopt;
 }

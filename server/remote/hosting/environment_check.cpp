@@ -233,7 +233,7 @@ class Checker {
     return true;
   }
 
-  /// What an environment that asks for it is shown with its queries.
+  /// Adds geometry to queries for an environment that asks for it.
   void addGeometry(QueryBatch& queries) const {
     if (description_.needs.geometry && queries.geometry == nullptr) {
       queries.geometry = makeGeometry(queries);

@@ -69,7 +69,7 @@ class SilentConnections {
   std::list<Socket> waiting_;  // the longest first
 };
 
-/// What all connections of a host share. It outlives them.
+/// The part of a host that all its connections share. It outlives them.
 struct Host {
   const ProcessFactory& factory;
   std::chrono::milliseconds firstMessage;

@@ -13,8 +13,8 @@
 
 namespace espalier::server {
 
-/// What a model folder says beside its model: the colours of pictures, and the last step. The command line and the
-/// server both take it from here.
+/// The settings of a model folder beside its model: the colours of pictures, and the last step. The command line and
+/// the server both take it from here.
 struct FolderSettings {
   files::Palette palette;                             // empty: the folder has no colours
   std::optional<files::AnimationSettings> animation;  // nothing: the derivation length decides

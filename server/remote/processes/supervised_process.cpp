@@ -18,7 +18,7 @@ namespace {
 using turtle::EnvironmentError;
 using Instance = std::shared_ptr<turtle::EnvironmentProcess>;
 
-/// What a thread works with: everything in it stays alive until the thread is done, however long that takes.
+/// The working data of a thread: everything in it stays alive until the thread is done, however long that takes.
 struct Room {
   Instance process;
   std::string name;

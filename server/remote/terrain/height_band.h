@@ -9,7 +9,7 @@
 
 namespace espalier::server {
 
-/// What the numbers of one band of a GeoTIFF are, and which of them are no heights.
+/// The type of the numbers of one band of a GeoTIFF, and which of them are no heights.
 struct HeightBand {
   std::uint16_t bits = 1;        // of a number: 1 (of a mask), 8, 16, 32 or 64
   bool isReal = false;           // 32 or 64 bits

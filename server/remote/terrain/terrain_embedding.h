@@ -12,8 +12,8 @@ namespace espalier::server {
 
 /// Replaces `"terrainFile": NAME` (GeoTIFF, looked for beside `file`) in the configuration of an entry by its heights,
 /// as `heightField` and `heightFieldExtent`: east is x, up is y, south is z. `terrainOrigin` (east, north, height of
-/// the point that comes to the origin) and `terrainScale` place them. Entries without the key stay as they are. What is
-/// wrong is returned. O(heights).
+/// the point that comes to the origin) and `terrainScale` place them. Entries without the key stay as they are. A
+/// problem is returned. O(heights).
 [[nodiscard]] std::optional<core::Diagnostic> embedTerrainFile(environment::EnvironmentEntry& entry,
                                                                const std::string& file, core::FileProvider& files);
 

@@ -49,7 +49,7 @@ namespace espalier::server {
 /// The error names the member, or the line of the weather's table.
 [[nodiscard]] tl::expected<turtle::World, std::string> toWorld(const protocol::WorldRecord& record);
 
-/// What plants are made from; they choose among `models` by name. Without plants: none.
+/// The origins of plants; they choose among `models` by name. Without plants: none.
 [[nodiscard]] std::vector<simulation::PlantOrigin> plantOrigins(const std::vector<protocol::NamedModel>& models,
                                                                 const std::vector<protocol::PlantParams>& plants);
 [[nodiscard]] simulation::SeedRules seedRules(const protocol::SeedParams& seeds);

@@ -33,7 +33,7 @@ std::vector<double> numbersFor(std::span<const double> numbers, std::size_t coun
                          : std::vector<double>(numbers.begin(), numbers.end());
 }
 
-/// What had to be converted for the wire.
+/// The columns that had to be converted for the wire.
 struct ConvertedQueries {
   std::vector<std::uint32_t> symbol, following;
 };

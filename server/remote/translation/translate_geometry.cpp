@@ -23,7 +23,7 @@ std::vector<core::Vec3> vectorsOf(std::span<const double> numbers) {
   return vectors;
 }
 
-/// What had to be converted for the wire, and the geometry that the rest refers to.
+/// The columns that had to be converted for the wire, and the geometry that the rest refers to.
 struct ConvertedGeometry {
   std::shared_ptr<const turtle::Geometry> geometry;
   turtle::GeometryDifference difference;

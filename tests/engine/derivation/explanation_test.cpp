@@ -23,7 +23,7 @@ std::string explained(const std::string& text, std::uint64_t stepsBefore, std::u
   return result ? *result : "error: " + result.error().message;
 }
 
-/// What follows the heading: from "What happened" on.
+/// The text after the heading: from "What happened" on.
 std::string happened(const std::string& text) {
   return text.substr(std::min(text.find("What happened"), text.size()));
 }

@@ -1,4 +1,4 @@
-// What models write to files, and when it is passed on.
+// The text that models write to files, and when it is passed on.
 
 #include <map>
 

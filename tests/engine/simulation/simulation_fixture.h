@@ -36,7 +36,7 @@ inline std::shared_ptr<const language::Program> compileText(
   return result.program;
 }
 
-/// What the test looks at after the simulation owns the environment.
+/// The log that the test reads after the simulation owns the environment.
 struct FakeEnvironmentLog {
   int openCount = 0;
   int stepCount = 0;

@@ -45,7 +45,7 @@ TEST(World, StepsThatDivideTheDayEndWithIt) {
   EXPECT_EQ(beginOfStep(1.0 / 86400, 86400 * 365 + 1), (86400.0 * 365 + 1) / 86400);
   EXPECT_EQ(beginOfStep(1e-6, 3'000'000), 3.0);
   EXPECT_EQ(beginOfStep(365.25, 4), 1461.0);
-  // what is no fraction of small numbers is multiplied
+  // a number that is no fraction of small numbers is multiplied
   EXPECT_EQ(beginOfStep(0.12345678901234567, 7), 7 * 0.12345678901234567);
   EXPECT_EQ(beginOfStep(5e-324, 3), 3 * 5e-324);
   EXPECT_EQ(beginOfStep(1e300, 3), 3e300);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// What a bud that sends (1, 0, 0, 0, 0) gets back.
+/// The answer to a bud that sends (1, 0, 0, 0, 0).
 struct Answer {
   double quality;
   core::Vec3 direction;

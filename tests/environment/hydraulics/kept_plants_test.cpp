@@ -69,7 +69,7 @@ TEST(UptakeFractions, APlantWithTheSameNodesKeepsWhatIsKnown) {
   EXPECT_EQ(fractions.conductanceOf(7), 0.0);
 }
 
-/// What a plant at random draws: a root with laterals that may begin beside it.
+/// Draws a plant at random: a root with laterals that may begin beside it.
 void drawRoot(std::mt19937& random, double x, RootDrawing& drawing) {
   const auto below = [&](std::uint32_t n) { return static_cast<double>(random() % n); };
   const std::vector<double> sent = {below(9), below(3), 0, 0, 0, 0, 0, 0, 0, 0};

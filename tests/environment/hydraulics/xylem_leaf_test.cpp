@@ -56,7 +56,7 @@ TEST(Xylem, ALeafOnWetSoilGivesWhatPenmanAndMonteithSay) {
   EXPECT_NEAR(*rows[4][kLeafTemperature], expected.temperature, 1e-2);
   EXPECT_NEAR(*rows[4][kLatent] / expected.latent, 1.0, 1e-3);
   EXPECT_GT(*rows[4][kGrowth], 0.99);
-  // what the leaf gives off is what the roots take up
+  // the leaf gives off as much as the roots take up
   EXPECT_NEAR(*rows[0][kExchange] + *rows[1][kExchange] + *rows[2][kExchange] + *rows[3][kExchange],
               -*rows[4][kExchange], 1e-8);
 }

@@ -32,7 +32,7 @@ class Stand : public Canopy {
   }
 };
 
-/// What becomes of the light that comes in: to the sky, down on the ground, absorbed by plants and by the ground.
+/// The fluxes of the light that comes in: to the sky, down on the ground, absorbed by plants and by the ground.
 struct StandFluxes {
   double up = 0.0, down = 0.0, byPlants = 0.0, byGround = 0.0;
 };

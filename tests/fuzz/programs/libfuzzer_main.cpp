@@ -4,7 +4,7 @@
 
 #include "tests/fuzz/targets.h"
 
-// what libFuzzer calls; ESPALIER_FUZZ_TARGET is the target of this program
+// the function that libFuzzer calls; ESPALIER_FUZZ_TARGET is the target of this program
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

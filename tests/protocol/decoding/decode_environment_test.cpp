@@ -103,7 +103,7 @@ TEST(DecodeEnvironment, MembersThatOnlySomeQueriesHaveGetTheirDefaultInTheOthers
   EXPECT_EQ(list(step.queries.followingOffset), (std::vector<std::uint64_t>{0, 0, 1, 1}));
 }
 
-/// What is wrong with blocks of a step of one query, or of its replies.
+/// The problem of blocks of a step of one query, or of its replies.
 std::string blockProblem(const std::string& head, const BlockWriter& blocks, bool isReply) {
   Body body(head);
   body.blocks = blocks;

@@ -1,4 +1,4 @@
-// What the benchmarks and the hashes of the gallery attach to a model is what `espalier run` attaches.
+// The benchmarks and the hashes of the gallery attach the same environment to a model as `espalier run`.
 
 #include "tests/support/model_environment.h"
 

@@ -51,7 +51,7 @@ std::string zstdBomb(const std::string& head, std::size_t blocks) {
   return frame;
 }
 
-/// What the replay of a trace of these bytes says when an event has at most 10 MB.
+/// The message of the replay of a trace of these bytes when an event has at most 10 MB.
 std::string replayOf(const std::string& bytes) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() + "/t.zst", std::ios::binary) << bytes;

@@ -74,7 +74,7 @@ class HeldTurns : public testing::Test {
       turn.begun.open();
       turn.ended.wait();
       double milliseconds = 0.0;
-      // what was given up makes no step
+      // work that was given up makes no step
       EXPECT_EQ(runner.hosted().step(milliseconds).has_value(), turn.command->isOverLimit.load());
       return false;
     };

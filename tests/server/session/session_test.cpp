@@ -247,7 +247,7 @@ TEST(Session, APeerThatAgreedToHeartbeatsIsAskedAndGivenUpWhenItStaysSilent) {
   }
   EXPECT_EQ(member(peer.line(), "method"), "ping");
   EXPECT_EQ(peer.line(), "(closed)");
-  // what it offered is away
+  // the environment that it offered is away
   EXPECT_EQ(member(resultOf(watcher->request("server.status", "{}")), "offered"), "[]");
 }
 

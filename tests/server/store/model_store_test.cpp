@@ -1,4 +1,4 @@
-// What a server makes of a model folder: the same as the command line.
+// A server takes a model folder as the command line does.
 
 #include "server/store/model_store.h"
 

@@ -174,7 +174,7 @@ TEST(Store, AFullDiskFailsTheWriteAndKeepsWhatWasThere) {
                          "' cannot be written: database or disk is full. Check that its disk has room and can be "
                          "written, then ask again.");
   EXPECT_EQ(store->readState("sim-1").bytes, "first");
-  // what was written of it is given back
+  // the written part of it is given back
   EXPECT_EQ(store->saveState("sim-1", 1, noise(1'500'000, 5)), std::nullopt);
   EXPECT_TRUE(store->readState("sim-1").bytes == noise(1'500'000, 5));
 }

@@ -31,7 +31,7 @@ TEST(TextDifference, AnInsertionIsOwnAndTheRestIsKept) {
   const std::string text = base.substr(0, 301) + "[+A]" + base.substr(301);
   const auto pieces = differenceOf(base, text);
   EXPECT_EQ(applied(base, pieces), text);
-  // what does not begin where the table has a stretch is found a few bytes later, and then from its beginning
+  // text that does not begin where the table has a stretch is found a few bytes later, and then from its beginning
   EXPECT_LE(ownBytes(pieces), 4U);
   EXPECT_EQ(pieces.size(), 3U);
 }

@@ -37,7 +37,7 @@ TurtleFrame frameOf(const std::vector<turtle::TurtleRecord>& records, const prot
   return makeTurtleFrame(records, kSymbols, select);
 }
 
-/// What a viewer holds who had `base` and is told the difference.
+/// The frame of a viewer that had `base` and is told the difference.
 TurtleFrame applied(const TurtleFrame& base, const TurtleFrame& fresh, const TurtleDifference& difference,
                     std::size_t rows) {
   return viewedAfter(base, {rows, difference.kept, std::make_shared<const TurtleFrame>(fresh)});

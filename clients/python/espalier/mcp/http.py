@@ -112,7 +112,7 @@ class HttpServer(ThreadingHTTPServer):
 
 
 class Incoming(io.RawIOBase):
-    """What a peer sends, up to a moment and a number of bytes: a peer that sends byte after byte ends at them, too."""
+    """The input from a peer, up to a moment and a number of bytes: a peer that sends byte after byte ends at them, too."""
 
     def __init__(self, connection: socket.socket) -> None:
         self._connection = connection

@@ -40,7 +40,7 @@ def _chosen(values: Mapping[str, Any], names: Sequence[str]) -> Dict[str, Any]:
 
 
 class Tools:
-    """What the tools do, over a client of a server."""
+    """The actions of the tools, over a client of a server."""
 
     def __init__(self, client: Client, program: str, seconds: float = SECONDS) -> None:
         self._client = client
@@ -205,7 +205,7 @@ _TYPES: Mapping[str, Tuple[Any, str]] = {
 
 
 def _problem(value: Any, schema: Mapping[str, Any]) -> str:
-    """What does not fit, as the end of a sentence; empty: nothing."""
+    """The problem of a value, as the end of a sentence; empty: none."""
     kind, name = _TYPES[schema["type"]]
     if not isinstance(value, kind) or isinstance(value, bool):
         return f"must be {name}"

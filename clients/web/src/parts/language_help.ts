@@ -18,7 +18,7 @@ import type { Extension, TransactionSpec } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
 import { isPanel } from "../studio/panel.js";
 
-/** What the help needs of the page. */
+/** The parts of the page that the help needs. */
 export interface Page {
   /** The texts of the model, by file. */
   files(): Record<string, string>;
@@ -128,7 +128,7 @@ function withoutHarm(html: string): string {
   return body.innerHTML;
 }
 
-/** What the server says about a line of a file. */
+/** The text of the server about a line of a file. */
 export interface Lens {
   line: number; // from 0
   title: string;
@@ -176,7 +176,7 @@ export class LanguageHelp {
     });
   }
 
-  /** What the editor of a file gets. */
+  /** The extension for the editor of a file. */
   extension(file: string): Extension {
     return [
       this.client.plugin(file, "espalier"),

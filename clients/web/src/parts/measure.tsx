@@ -64,7 +64,7 @@ export function Protractor({ view, points, onPoint }: { view: View; points: Poin
   );
 }
 
-/** What the points measure. `onLength`: a person knows the length of what the first leg lies on. */
+/** The measures of the points. `onLength`: a person knows the length of the thing that the first leg lies on. */
 export function Measured({ points, onLength }: { points: Point[]; onLength?: (length: number) => void }) {
   const [first, second] = [apart(points[0], points[1]), apart(points[1], points[2])].map(shortNumber);
   const known = (length: number) => length > 0 && onLength?.(length);

@@ -1,4 +1,4 @@
-// An input for a number. What a person types stays until it is done: the page is drawn again every few seconds, also between two digits.
+// An input for a number. Typed text stays until it is done: the page is drawn again every few seconds, also between two digits.
 import type { JSX } from "preact";
 import { useRef, useState } from "preact/hooks";
 

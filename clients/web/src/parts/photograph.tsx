@@ -6,7 +6,7 @@ import { IconButton } from "./icons.js";
 import { Measured, Protractor, apart, pointsIn } from "./measure.js";
 import type { Point } from "./measure.js";
 
-/** What lies over the view, and the tools; `isUsed`: there is a photograph, or somebody measures. */
+/** The overlay of the view, and the tools; `isUsed`: there is a photograph, or somebody measures. */
 export function usePhotograph(studio: Studio): { overlay: JSX.Element; tools: JSX.Element; isUsed: boolean } {
   const image = useRef<HTMLImageElement>(null);
   const [url, setUrl] = useState("");

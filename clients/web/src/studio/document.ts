@@ -180,7 +180,7 @@ export async function galleryDocument(client: Client, name: string): Promise<Doc
   return { title: name, main, files, binary: binaryFiles, environment: environment ?? processesOf(files[FOREST] ?? ""), gallery: name };
 }
 
-/** What a page without a model in its address shows: a tree of the gallery whose buds ask for light, and shadow for it. */
+/** The document of a page without a model in its address: a tree of the gallery whose buds ask for light, and shadow for it. */
 export async function firstDocument(client: Client): Promise<Document> {
   try {
     return withProcesses(await galleryDocument(client, "light-tree"), [{ type: "shadow", shadowWeight: 0.1 }]);

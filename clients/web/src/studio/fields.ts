@@ -1,4 +1,4 @@
-// What the environment holds in space: the names of its fields, and the values of the one that is shown.
+// The environment's quantities in space: the names of its fields, and the values of the one that is shown.
 import { readVti } from "../view/fields.js";
 import type { FieldLook } from "../view/fields.js";
 import type { Simulation } from "espalier";

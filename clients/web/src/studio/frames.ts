@@ -1,4 +1,4 @@
-// What the server tells about the shown simulation after each step: figures, and the plant as columns.
+// The server's frames of the shown simulation after each step: figures, and the plant as columns.
 import type { FrameOf, Simulation, Stream } from "espalier";
 import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";

@@ -36,7 +36,7 @@ export async function saveOnServer(studio: Studio, name: string, isOver = false)
       }
       return studio.client.call("model.save", { ...params, ...known, revision: present });
     });
-    // what was written in the meantime is still to be saved
+    // text that was written in the meantime is still to be saved
     const isSame = studio.document.files === files && studio.document.binary === binary;
     studio.shownTitle = studio.shownTitle === studio.document.title ? name : studio.shownTitle; // it is still the same plant
     studio.document = { ...studio.document, title: name, saved: { name, revision, files: Object.keys(files) } };

@@ -80,7 +80,7 @@ export class Studio {
   private work: Promise<void> = Promise.resolve(); // requests that change the simulation, one after the other
   private wanted: { values: Record<string, number>; isFinal: boolean } | null = null;
   private wantedStep: number | null = null;
-  // what the last answer said: frames of figures may come later, and tell of steps before it
+  // the state of the last answer: frames of figures may come later, and tell of steps before it
   private answered = { step: 0, finished: false };
   private checking = 0;
   private slid = -Infinity; // when a slider moved last
@@ -139,13 +139,13 @@ export class Studio {
     if (!shown) {
       setInterval(() => this.isSliding || void this.list().catch(() => {}), LIST_MILLISECONDS);
     }
-    // what the page holds counts, not its address; and the plant is asked for before the lists
+    // the content of the page counts, not its address; and the plant is asked for before the lists
     const opened = this.act(() => (!shown ? this.openHash(named) : this.isOwn ? this.build(this.step) : this.watch(shown)));
     await Promise.all([opened, this.readLists().catch((error) => this.fail(error))]);
     this.changed();
   }
 
-  /** What the server offers. */
+  /** Reads the lists that the server offers. */
   private async readLists(): Promise<void> {
     const lists = [this.client.gallery(), this.client.call("environment.list", {}), this.client.simulations()] as const;
     const [{ entries, pictures, saved }, { environments }, simulations] = await Promise.all(lists);

@@ -20,7 +20,7 @@ export function isTurn({ files }: Document, name: string): boolean {
   return uses > 0 && uses === turns;
 }
 
-/** What a person should know about the value of a number; null: nothing. */
+/** A remark for a person on the value of a number; null: none. */
 export function remarkOn(document: Document, { name, value }: Define): string | null {
   if (Math.abs(value) <= FULL || !isTurn(document, name)) {
     return null;

@@ -1,4 +1,4 @@
-// What the server tells about itself.
+// The server's information about itself.
 
 export type Connection = "connecting" | "connected" | "lost" | "token" | "failed";
 
@@ -14,7 +14,7 @@ export interface EnvironmentEntry {
   schema?: { properties: Record<string, Property> };
 }
 
-/** What a schema says about a setting. */
+/** The part of a schema about a setting. */
 export interface Property {
   type?: string;
   enum?: string[];

@@ -7,7 +7,7 @@ import type { Studio } from "./studio.js";
 
 export const SIDE = 6; // rows and columns
 
-/** What changes along a side: a number of the model, or the seed. */
+/** The value that changes along a side: a number of the model, or the seed. */
 export interface Axis {
   name: string; // of a macro; "" is the seed
   low: number;

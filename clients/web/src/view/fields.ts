@@ -122,7 +122,7 @@ export function isoSurface({ cells, position, cellSize, values }: Field, level: 
   return Float32Array.from(corners);
 }
 
-/** What the view shows of a field. */
+/** The part of the view that shows a field. */
 export class FieldView {
   readonly group = new Group();
   legend: Legend | null = null;

@@ -1,4 +1,4 @@
-// What is where: bounds of the plants, and the thing that a ray meets.
+// The places of things: bounds of the plants, and the thing that a ray meets.
 import { Box3, Vector3 } from "three";
 import type { Geometry, RowRange } from "espalier";
 

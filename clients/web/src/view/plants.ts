@@ -1,4 +1,4 @@
-// The plants of a simulation as meshes, from its columns. What a frame leaves as it was is neither computed nor sent again.
+// The plants of a simulation as meshes, from its columns. Unchanged parts of a frame are neither computed nor sent again.
 import { Box3 } from "three";
 import type { Vector3 } from "three";
 import { NEW_ROWS, Rows } from "espalier";

@@ -88,7 +88,7 @@ export class View {
   private other: Object3D | null = null; // an object of a file instead of the columns
   private partner: View | null = null; // it is looked at from the same place
   private anchor: Vector3 | null = null; // the foot of the plants when the photograph or the ruler came
-  /** What lies behind the canvas. */
+  /** The photograph behind the canvas. */
   photograph: HTMLImageElement | null = null;
 
   constructor(
@@ -134,7 +134,7 @@ export class View {
   /** Takes new settings over. */
   apply(settings: ViewSettings): void {
     this.settings = settings;
-    this.refine(false); // who asks for shadows gets them
+    this.refine(false); // the picture gets shadows when they are asked for
     this.shade();
     this.scene.background = this.hasBackground && this.isComplete ? backgroundTexture(settings.isDark) : null;
     this.ground.material.color = new Color(settings.isDark ? 0x39413a : 0xe9e7da);
@@ -606,7 +606,7 @@ export class View {
     return this.renderer.domElement;
   }
 
-  /** What was drawn last, over the photograph behind it. */
+  /** The last picture, over the photograph behind it. */
   composed(): HTMLCanvasElement {
     const canvas = this.renderer.domElement;
     return this.photograph ? overPhotograph(canvas, this.photograph, this.settings.isDark) : canvas;

@@ -1,4 +1,4 @@
-// What surrounds the plants, from the settings of the environment: solids, boxes of grids, directions, and the last queries.
+// The things around the plants, from the settings of the environment: solids, boxes of grids, directions, and the last queries.
 import {
   ArrowHelper,
   BoxGeometry,

@@ -12,7 +12,7 @@
 
 namespace espalier::turtle {
 
-/// The work on meshes that are numbered from 0. What several threads do must not depend on other meshes; the rest
+/// The work on meshes that are numbered from 0. The work of several threads must not depend on other meshes; the rest
 /// happens on the calling thread, in order.
 struct MeshWork {
   /// Several threads: makes a mesh that was cleared. Returns a sentence when files cannot hold the mesh.

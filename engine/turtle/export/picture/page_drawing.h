@@ -47,9 +47,9 @@ struct PageShape {
 };
 
 /// A scene as drawn on paper, for the formats of lines and areas: the view file's projection, fitted to a page; all
-/// lines by branch order, then organs from far to near, then text. What wears a texture has its mean colour: a line of
-/// all of it, a face of an organ of its own part, and a face mostly over a hole is left out. Holds 4 bytes for a line
-/// and the corners of organs.
+/// lines by branch order, then organs from far to near, then text. A shape with a texture has its mean colour: a line
+/// of all of it, a face of an organ of its own part, and a face mostly over a hole is left out. Holds 4 bytes for a
+/// line and the corners of organs.
 class PageDrawing {
  public:
   /// `scene` and `palette` must outlive the object. The page is at most `width` by `height` and as small as the drawing

@@ -131,7 +131,7 @@ void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, Raste
     std::uint32_t task = 0;
     std::uint32_t triangle = 0;
   };
-  /// What one task makes of its parts: triangles, and the tiles in which each of them is seen.
+  /// The result of one task for its parts: triangles, and the tiles in which each of them is seen.
   struct Made {
     std::vector<RasterTriangle> triangles;
     std::vector<std::pair<std::size_t, std::uint32_t>> places;  // tile and number of the triangle

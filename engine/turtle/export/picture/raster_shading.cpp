@@ -20,8 +20,8 @@ constexpr double kGroundLight = 0.36;
 constexpr double kKeyLight = 0.66;
 constexpr double kFillLight = 0.16;
 constexpr double kSheen = 0.10;  // white, around the mirrored key light
-// what comes through a leaf to the side that is turned away from a light, of what it throws back; and, with the sky's
-// light from above, its share of the light on a side that looks down
+// the light through a leaf on its side away from a light, as a part of the light that it throws back; and, with the
+// sky's light from above, its share of the light on a side that looks down
 constexpr double kThroughLeaf = 0.6;
 constexpr double kBelowLeaf = 0.54;
 // the share of light where no light of the view file comes

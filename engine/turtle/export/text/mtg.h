@@ -44,9 +44,9 @@ struct MtgStrings {
 /// Reads an MTG in FORM-A back into strings: entities of the finest scale become modules, in brackets what is joined
 /// by `+`. An entity with a feature `Text` is that text. Another is its class with numbers as parameters: those of the
 /// numeric features that any entity of its class has, 0 where it has none itself (an empty cell, `NA` or `NaN`), so
-/// that all modules of a class have the same parameters. What is no number in a column of numbers is an error. `E1<<E5`
-/// is a series of entities; of an entity that was observed several times (lines of `*`) the last numbers count. A file
-/// that promises its end (kMtgPromise) must have it. An error is "LINE: what is wrong".
+/// that all modules of a class have the same parameters. A value that is no number in a column of numbers is an error.
+/// `E1<<E5` is a series of entities; of an entity that was observed several times (lines of `*`) the last numbers
+/// count. A file that promises its end (kMtgPromise) must have it. An error is "LINE: what is wrong".
 [[nodiscard]] std::variant<MtgStrings, std::string> readMtg(std::string_view text);
 
 }  // namespace espalier::turtle

@@ -149,7 +149,7 @@ class RsmlWriter {
     }
   }
 
-  /// What belongs to an axis alone, without the end of its element.
+  /// Writes the part that belongs to an axis alone, without the end of its element.
   void begin(std::uint32_t index) {
     const Axis& axis = axes_[index];
     text_.beginRoot(std::to_string(index), "",

@@ -12,7 +12,7 @@
 
 namespace espalier::turtle {
 
-/// What the file of a root system says: its plants and roots as they are in it, and which lines of its model draw them.
+/// The content of a root system's file: its plants and roots as they are in it, and which lines of its model draw them.
 struct RsmlLabels {
   static constexpr std::uint32_t kNone = 0xffffffff;
   struct Plant {

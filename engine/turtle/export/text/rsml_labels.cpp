@@ -149,7 +149,7 @@ class LabelledWriter {
     }
   }
 
-  /// What belongs to a root alone, without the end of its element.
+  /// Writes the part that belongs to a root alone, without the end of its element.
   void begin(std::uint32_t index) {
     const RsmlLabels::Root& root = labels_.roots[index];
     const bool isLateral = root.parent != RsmlLabels::kNone;

@@ -10,7 +10,7 @@
 
 namespace espalier::turtle {
 
-/// What a file says beside its lines.
+/// The facts of a file beside its lines.
 struct RsmlFacts {
   std::string_view unit;              // empty: unknown
   std::optional<std::uint64_t> step;  // of a file that holds one step

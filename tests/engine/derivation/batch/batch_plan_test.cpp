@@ -157,7 +157,7 @@ TEST(BatchPlan, PairsOfNeighboursRuleOutProductions) {
   EXPECT_EQ(plan.leftBits()[c * stride + b], 2);
   EXPECT_EQ(plan.rightBits()[b * stride + c], 3);
   EXPECT_EQ(plan.rightBits()[b * stride + a], 1);
-  // what is ignored, a branch and the string's ends say nothing
+  // an ignored module, a branch and the string's ends say nothing
   EXPECT_EQ(plan.leftBits()[plus * stride + b], 3);
   EXPECT_EQ(plan.leftBits()[planned.model.program().closeBranch * stride + b], 3);
   EXPECT_EQ(plan.rightBits()[b * stride + planned.model.program().openBranch], 3);

@@ -135,7 +135,7 @@ TEST(ParallelGeneralScan, LimitsHoldForTheWholeString) {
 }
 
 TEST(ParallelGeneralScan, BlocksAndNewContextsGoModuleByModule) {
-  // what one module does is seen by the next: the order must be that of the string
+  // effects of one module are seen by the next: the order must be that of the string
   expectEqualOnThreads(test::modelText("Start: {counted=0;}\n", repeated("A(#)", 2000),
                                        "A(x) : {counted=counted+1;} 1 --> A(counted)\n"),
                        3);

@@ -279,7 +279,7 @@ class ModelMaker {
     }
   }
 
-  /// What stands before the condition: contexts and predecessor. Several productions may have the same.
+  /// The part before the condition: contexts and predecessor. Several productions may have the same.
   std::string head(std::string& names) {
     if (!lastHead_.empty() && chance(30)) {
       names = lastNames_;

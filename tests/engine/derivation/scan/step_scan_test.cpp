@@ -94,7 +94,7 @@ Comparison compareModels(unsigned first, unsigned count, std::size_t maximumModu
                       << model.text().substr(0, 400);
         return result;
       }
-      // what blocks leave belongs to the state
+      // values that blocks leave belong to the state
       const derivation::InstanceState& instance = model.state().instances.front();
       if (model.state().statics != plain.statics() || instance.variables != plain.variables() ||
           instance.elements != plain.elements()) {

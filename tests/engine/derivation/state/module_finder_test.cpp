@@ -21,7 +21,7 @@ struct Found {
   bool operator==(const Found&) const = default;
 };
 
-/// What the header promises, module by module.
+/// The result that the header promises, module by module.
 Found expected(const std::vector<core::ModuleTypeId>& types, std::size_t first, std::size_t count, bool hasBefore,
                bool hasBehind, const std::vector<std::uint16_t>& arity, const ModuleFinder::Marks& marks) {
   Found found;

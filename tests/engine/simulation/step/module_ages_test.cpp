@@ -30,7 +30,7 @@ TEST(ModuleAges, ModulesThatGoOnKeepTheirStep) {
   expectSuccess(run.simulation.step());
   // I(2)[+ I(1)[+A]A ] I(1)[+A]A
   EXPECT_EQ(birthsOf(run.simulation), "1 1 1 2 2 2 2 2 1 1 2 2 2 2 2 0");
-  // what came before a snapshot is not known after it
+  // the history before a snapshot is not known after it
   const std::string second = snapshotOf(run.simulation);
   expectSuccess(run.simulation.rewind());
   EXPECT_EQ(birthsOf(run.simulation), "0");

@@ -62,7 +62,7 @@ void writeObj(const Scene& scene, const files::ViewSettings& view, const std::st
   EXPECT_EQ(findExportFormat("obj")->write({.scene = scene, .view = view}, target), std::nullopt);
 }
 
-// what a reader of an OBJ file sees
+// the content of an OBJ file for its reader
 struct ObjContent {
   std::vector<core::Vec3> vertices, normals;
   std::size_t coordinateCount = 0;

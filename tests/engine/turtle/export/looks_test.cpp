@@ -1,4 +1,4 @@
-// What pictures and meshes add to a model that says nothing about it: widths, colours, and the ground below a plant.
+// The looks that pictures and meshes add to a model without them: widths, colours, and the ground below a plant.
 
 #include <algorithm>
 #include <cmath>

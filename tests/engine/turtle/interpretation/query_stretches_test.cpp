@@ -120,7 +120,7 @@ TEST(QueryStretches, GiveWhatAWholePassGivesWhateverChanged) {
     passes.takeOver({});
     passes.expectSameAsWhole();
     for (int i = 0; i < 12; ++i) {
-      // what the turtle wrote has changed too
+      // modules that the turtle wrote into have changed too
       std::vector<std::uint64_t> written;
       for (const ParameterChange& it : passes.changes()) {
         written.push_back(it.module);

@@ -37,7 +37,7 @@ void addWeather(turtle::EnvironmentContext& context, const std::string& table) {
   context.world.weather = std::make_shared<const turtle::Weather>(std::move(*weather));
 }
 
-/// What queries at a height, without leaves of their own, get in the step at a time.
+/// The answers to queries at a height, without leaves of their own, in the step at a time.
 std::vector<double> answersAt(double height, const std::string& configuration,
                               const turtle::EnvironmentContext& context = {}, double timeDays = 0.0,
                               std::size_t count = 1) {

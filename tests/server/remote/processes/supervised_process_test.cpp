@@ -113,7 +113,7 @@ TEST_F(Misbehaviour, APluginThatSaysThatItFails) {
 }
 
 TEST_F(Misbehaviour, ACompanionIsAsBeforeToo) {
-  // what was added to the counts is added once only
+  // numbers are added to the counts once only
   for (const std::string does : {"throw", "nan", "hang"}) {
     std::ofstream(file_) << "here";
     std::vector<std::pair<std::string, Process>> processes;

@@ -39,7 +39,7 @@ turtle::Geometry example(double bend, std::uint64_t shift) {
   return geometry;
 }
 
-/// What arrives of columns that cross the wire.
+/// The columns that arrive when these cross the wire.
 protocol::GeometryColumns crossed(const protocol::GeometryColumns& columns, bool isInBlocks) {
   static constexpr std::array<std::uint64_t, 1> kNoOffsets{0};
   protocol::EnvironmentStepParams params;

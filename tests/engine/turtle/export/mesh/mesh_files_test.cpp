@@ -63,7 +63,7 @@ class MeshFiles : public ::testing::Test {
     return sink.take();
   }
 
-  // what assimp sees, in world coordinates
+  // the mesh that assimp sees, in world coordinates
   [[nodiscard]] Mesh read(const std::string& format, const std::string& bytes) const {
     Assimp::Importer importer;
     const aiScene* scene = importer.ReadFileFromMemory(

@@ -11,7 +11,7 @@
 namespace espalier::turtle::mtg_test {
 namespace {
 
-// what a writer of modules makes of a string
+// the text that a writer of modules makes of a string
 std::string written(TurtleRun& run, std::string_view format, const ExportProgress& progress = {}) {
   const std::vector<const derivation::ModuleString*> strings{&run.state.string};
   const auto visit = [&run](const ModuleVisitor& visitor) -> std::optional<std::string> {
