@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <span>
@@ -160,15 +161,26 @@ bool hasArea(const Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c
   const Vec3 v = mesh.positions[c] - mesh.positions[a];
   const Vec3 w = v - u;
   const double longest = std::max({core::dot(u, u), core::dot(v, v), core::dot(w, w)});
-  return core::length(core::cross(u, v)) > kFlatTriangle * longest;
+  const Vec3 normal = core::cross(u, v);
+  // most triangles are far from flat: no root
+  return core::dot(normal, normal) > 4.0 * kFlatTriangle * kFlatTriangle * longest * longest ||
+         core::length(normal) > kFlatTriangle * longest;
 }
 
 // corners at almost one place come to lie at exactly one, so that no gap opens where a face is left out
 void joinCorners(Mesh& mesh, std::span<const std::uint32_t> corners) {
   double longest = 0.0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Vec3 side = mesh.positions[corners[(i + 1) % corners.size()]] - mesh.positions[corners[i]];
-    longest = std::max(longest, core::dot(side, side));
+  double shortest = std::numeric_limits<double>::infinity();
+  std::uint32_t before = corners.back();
+  for (const std::uint32_t corner : corners) {
+    const Vec3 side = mesh.positions[corner] - mesh.positions[before];
+    const double square = core::dot(side, side);
+    longest = std::max(longest, square);
+    shortest = std::min(shortest, square);
+    before = corner;
+  }
+  if (shortest > kSamePlace * kSamePlace * longest) {
+    return;
   }
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const auto [first, second] = std::minmax(corners[i], corners[(i + 1) % corners.size()]);
