@@ -88,9 +88,19 @@ void suggestPart(const CLI::App& command, int argumentCount, char** arguments) {
 }
 
 // an error of the options, with the page that lists them
-void printUsageError(const CLI::Error& error, std::string_view command) {
-  const std::string help = "espalier " + std::string(command) + (command.empty() ? "" : " ") + "--help";
-  espalier::command::printError(std::string(error.what()) + "; `" + help + "` lists what it takes");
+void printUsageError(const CLI::Error& error, const CLI::App& program) {
+  std::string page = program.get_name();
+  for (const CLI::App* command = &program; !command->get_subcommands().empty();) {
+    command = command->get_subcommands().front();
+    page += " " + command->get_name();
+    // as ADDRESS in `connect ADDRESS get`
+    for (const CLI::Option* option : command->get_options()) {
+      page += option->get_positional() && !command->get_subcommands().empty() ? " " + option->get_name(true) : "";
+    }
+  }
+  std::string problem = error.what();
+  problem.erase(problem.find_last_not_of('.') + 1);
+  espalier::command::printError(problem + "; `" + page + " --help` lists the options");
 }
 
 // names the option that was probably meant, of the command that was given
@@ -194,7 +204,7 @@ int main(int argumentCount, char** arguments) {
   } catch (const CLI::Success& helpOrVersion) {
     return program.exit(helpOrVersion);
   } catch (const CLI::ExtrasError& error) {
-    printUsageError(error, named == kCommands.end() ? "" : named->name);
+    printUsageError(error, program);
     suggestOption(program, argumentCount, arguments);
     return kUsage;
   } catch (const CLI::ParseError& error) {
@@ -204,7 +214,7 @@ int main(int argumentCount, char** arguments) {
       suggestPart(*given, argumentCount, arguments);
       return kUsage;
     }
-    printUsageError(error, named == kCommands.end() ? "" : named->name);
+    printUsageError(error, program);
     return kUsage;
   } catch (const espalier::core::InternalError& error) {
     printError(std::string("this is a bug of Espalier, please report it: ") + error.what());

@@ -207,6 +207,19 @@ TEST_F(Cli, CheckStartsAndConnectsToNoOtherProcess) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/started"));
 }
 
+TEST_F(Cli, WrongOptionsNameThePageThatListsTheRightOnes) {
+  const auto error = [&](const std::string& arguments) {
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 2) << arguments;
+    return result.errors;
+  };
+  EXPECT_EQ(error("token new a --role king"),
+            "error: --role: king not in {controller,viewer,environment}; `espalier token new --help` lists the options\n");
+  EXPECT_EQ(error("connect 127.0.0.1:1 get"),
+            "error: SIMULATION is required; `espalier connect ADDRESS get --help` lists the options\n");
+  EXPECT_EQ(error("--nonsense"), "error: A subcommand is required; `espalier --help` lists the options\n");
+}
+
 TEST_F(Cli, MissingFilesSayWhatToDo) {
   folder_.write("algae.l", kAlgae);
   folder_.write("many/a.l", kAlgae);

@@ -260,6 +260,8 @@ test("a colour changes three bytes of a colour map, and a part of a material its
   assert.equal(files("\tcpfg -m a.map -M b.mat b.l b.v\n"), "b.mat");
   assert.equal(files("\tcpfg -M b.mat -m c++.map b.l b.v\n"), "c++.map");
   assert.equal(files("\tcpfg -m1 a.map -m2 b.map b.l b.v\n"), "a.map");
+  assert.equal(files("#\tcpfg -m a.map b.l b.v\n\tcpfg -m b.map b.l b.v\n"), "b.map");
+  assert.equal(files("\tcpfg -m a.map a.l a.v\n"), null);
   const painted = Buffer.from(palette.withColour("a.mat", document.binary["a.mat"], 3, [60, 5, 250]), "base64");
   assert.deepEqual([...painted.entries()].filter(([i, byte]) => byte !== materials[i]), [[35, 50], [36, 5], [37, 250]]);
   const shining = Buffer.from(palette.withMaterial(document.binary["a.mat"], 3, { shininess: 90, specular: [8, 200, 8], transparency: 7 }), "base64");
@@ -356,6 +358,24 @@ test("a film has all its pictures at their times, for another program's reader",
   } finally {
     rmSync(place, { recursive: true });
   }
+});
+
+test("changes of colours are taken back in the order in which they and the texts were made", async () => {
+  const { Recolours } = await load("recolours.ts");
+  const recolours = new Recolours();
+  const [first, second] = [{ "a.l": "1" }, { "a.l": "2" }];
+  recolours.add("a.map", "0", "1", first);
+  recolours.add("a.map", "1", "2", { ...first }); // a drag goes on
+  recolours.add("b.map", "x", "y", first);
+  // the text was changed since: it is the editor's turn, until it has taken that back
+  assert.equal(recolours.take(false, second), null);
+  assert.deepEqual(recolours.take(false, first), { file: "b.map", bytes: "x" });
+  assert.deepEqual(recolours.take(false, first), { file: "a.map", bytes: "0" });
+  assert.equal(recolours.take(false, first), null);
+  assert.deepEqual(recolours.take(true, first), { file: "a.map", bytes: "2" });
+  assert.equal(recolours.take(true, second), null);
+  recolours.add("a.map", "2", "3", second);
+  assert.equal(recolours.take(true, second), null, "a new change forgets what was taken back");
 });
 
 test("a card that draws slowly is found, and a busy page is not taken for one", async () => {

@@ -57,6 +57,39 @@ test("a fork stands beside the plant: both make the same steps, one camera looks
   await page.close();
 });
 
+test("two plants with other numbers, seeds, cuts and environments exchange all of it", async () => {
+  const page = await open(`${running.address}/#gallery=classic-algae`);
+  const text = "#define W 30\nLsystem: 1\nderivation length: 6\nAxiom: F(1)A\nA --> F(1)[+(W*ran(1))F(1)?E(1)A][-(W)A]\nendlsystem\n";
+  await page.evaluate((model) => studio.openDocument({ title: "pair", main: "m.l", binary: {}, environment: [{ type: "honda", radius: 0.5 }], gallery: null, files: { "m.l": model } }, 3), text);
+  await page.waitForFunction(() => studio.counts.waiting === 0 && document.getElementById("plant").dataset.step === "3");
+  await page.keyboard.press("b");
+  await page.waitForFunction(() => document.getElementById("plant-beside")?.dataset.step === "3");
+  const idle = () => page.waitForFunction(() => studio.counts.waiting === 0 && studio.answeredStep === 3);
+  await page.evaluate(() => studio.setSeed(99));
+  await page.fill('[aria-label="Value of W"]', "50");
+  await page.keyboard.press("Tab");
+  await idle();
+  await page.evaluate(() => studio.act(() => studio.setProcesses([{ type: "honda", radius: 2 }])));
+  await idle();
+  // the slider once more: its number is then beside the text that the server has
+  await page.fill('[aria-label="Value of W"]', "60");
+  await page.keyboard.press("Tab");
+  await idle();
+  await page.evaluate(async () => { await studio.pick({ plant: 0, module: (await studio.simulation.get("turtle")).turtle?.module?.[3] ?? 3, symbol: "F", order: 0, kind: "segment", position: [0, 0, 0] }); await studio.change("prune"); });
+  const both = () => page.evaluate(() => Promise.all([studio.simulation, studio.beside.growth.simulation].map(async (one) => {
+    const [{ environment }, { information }, { stateHash }] = await Promise.all(["environment", "information", "state-hash"].map((what) => one.get(what)));
+    return JSON.stringify([await one.string(), environment.map(({ radius }) => radius), information.seed, stateHash]);
+  })));
+  const before = await both();
+  assert.notEqual(before[0], before[1]);
+  for (const wanted of [[before[1], before[0]], before]) {
+    await page.click("#swap");
+    await idle();
+    assert.deepEqual(await both(), wanted);
+  }
+  await page.close();
+});
+
 test("a control point of a surface is dragged: its line of the file changes, and the leaves of the plant", async () => {
   const page = await open(`${running.address}/#gallery=branch-tiers`);
   await page.evaluate(async () => {

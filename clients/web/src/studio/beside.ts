@@ -1,12 +1,12 @@
 // A second plant beside the first: a fork of it, from the step in which it was made. The first one goes its own way from there.
-import { Code, ServerError } from "espalier";
 import type { Simulation, Statistics, Stream } from "espalier";
 import type { ModelPalette } from "../view/colours.js";
 import { nextFrame } from "../view/frames.js";
 import type { View } from "../view/scene.js";
 import type { Document } from "./document.js";
 import { History } from "./history.js";
-import { createPlant } from "./plants.js";
+import { createPlant, keptOf, restored } from "./plants.js";
+import type { Kept } from "./plants.js";
 import type { Studio } from "./studio.js";
 
 /** A plant with its past. */
@@ -124,35 +124,23 @@ export class Beside {
     await studio.inTurn(async () => {
       const [first, second] = [studio.growth(), this.growth];
       if (second) {
-        const [left, right] = await Promise.all([first.simulation.save(), second.simulation.save()]);
-        const simulation = await this.become(first.simulation, second, right);
-        await studio.take({ ...second, simulation });
+        const [left, right] = await Promise.all([first, second].map(({ simulation, document }) => keptOf(simulation, document)));
+        await studio.take({ ...second, simulation: await this.become(first.simulation.id, second, right) });
         this.view?.setPalette(first.palette);
-        this.put({ ...first, simulation: await this.become(second.simulation, first, left) });
+        this.put({ ...first, simulation: await this.become(second.simulation.id, first, left) });
       }
     });
     await this.watch();
   }
 
-  /** Gives a simulation the plant of `growth`, whose state is `snapshot`. */
-  private async become(simulation: Simulation, growth: Growth, snapshot: string): Promise<Simulation> {
-    const restored = (into: Simulation) =>
-      into.restore(snapshot).catch((error) => {
-        if (!(error instanceof ServerError && error.code === Code.snapshot)) {
-          throw error;
-        }
-        return null;
-      });
-    if (await restored(simulation)) {
-      return simulation;
-    }
-    // it has another text
-    const made = await createPlant(this.studio.client, growth.document, growth.seed, simulation.id);
-    if (!(await restored(made))) {
+  /** Makes the plant of `growth` in the place of a simulation. */
+  private async become(id: string, growth: Growth, kept: Kept): Promise<Simulation> {
+    const simulation = await createPlant(this.studio.client, kept.document, growth.seed, id, kept.parameters);
+    if (!(await restored(simulation, kept))) {
       growth.history.clear();
-      await made.stepUntil(growth.step);
+      await simulation.stepUntil(growth.step);
     }
-    return made;
+    return simulation;
   }
 
   /** Deletes it. */

@@ -37,9 +37,10 @@ export class Extras {
     const { view } = this.studio;
     view?.showObject(null);
     view?.showQueries(null);
-    await this.setTableWanted(view?.settings.mode.startsWith("parameter") ?? false);
-    await this.setQueriesShown(this.areQueriesShown);
-    await this.wantMesh();
+    // a stream that the server refuses keeps nobody from the plant
+    for (const want of [() => this.setTableWanted(view?.settings.mode.startsWith("parameter") ?? false), () => this.setQueriesShown(this.areQueriesShown), () => this.wantMesh()]) {
+      await want().catch((error) => this.studio.fail(error));
+    }
   }
 
   /** Whether the folder has materials, and no textures with which they are shown anyway. */
@@ -111,7 +112,9 @@ export class Extras {
             await show(frame);
             this.studio.changed();
           }
-        })().catch((error) => this.studio.fail(error));
+        })()
+          .catch((error) => this.studio.fail(error))
+          .finally(() => this.open.get(kind) === stream && this.open.delete(kind));
       } else if (!this.wishes.get(kind) && open) {
         this.open.delete(kind);
         await open.close();

@@ -1,5 +1,6 @@
 // The colours that a published folder's command names: a colour map or a set of materials.
 import type { ModelPalette } from "../view/colours.js";
+import { fileOf } from "./document.js";
 import type { Document } from "./document.js";
 
 export const bytesOf = (base64: string): Uint8Array => Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
@@ -25,15 +26,15 @@ const UNNAMED: Material = { transparency: 0, ambient: [0, 0, 0], diffuse: [255, 
 
 /** The colour map or the materials that the folder's command names. */
 export function paletteFile({ files, binary, main }: Document): string | null {
-  const commands = (files["specifications"] ?? "").split("\n").filter((line) => /\b[cl]pfg\b/.test(line)).map((line) => line.trim().split(/\s+/));
-  const command = commands.find((words) => words.includes(main)) ?? commands[0] ?? [];
+  const commands = (files["specifications"] ?? "").split("\n").filter((line) => /^[^#]*\b[cl]pfg\b/.test(line)).map((line) => line.trim().split(/\s+/));
+  const command = commands.find((words) => words.includes(fileOf(main))) ?? [];
   const named = command.flatMap((name, i) => {
     const [, kind, number] = /^-([mM])(\d*)$/.exec(command[i - 1] ?? "") ?? [];
     return kind && name in binary ? [{ name, kind, isFirst: number === "" || number === "1" }] : [];
   });
   // the last switch says which kind counts; of several files, the first 256 colours
   const counting = named.filter(({ kind }) => kind === named.at(-1)!.kind);
-  return (counting.filter(({ isFirst }) => isFirst).at(-1) ?? counting.at(-1))?.name ?? null;
+  return counting.filter(({ isFirst }) => isFirst).at(-1)?.name ?? null;
 }
 
 /** Where the file has the record of a material; a later one wins. -1: nowhere. */

@@ -6,17 +6,44 @@ import { mainsOf, modelOf } from "./document.js";
 import type { Document } from "./document.js";
 import type { Studio } from "./studio.js";
 
-/** A simulation of a document at its step 0, in the place of `simulation` when that is given. */
-export function createPlant(client: Client, document: Document, seed: number, simulation?: string): Promise<Simulation> {
+type Values = Record<string, number | string>;
+
+/** A simulation of a document at its step 0, in the place of `simulation` when that is given. `parameters`: values that win over its numbers. */
+export function createPlant(client: Client, document: Document, seed: number, simulation?: string, parameters: Values = {}): Promise<Simulation> {
   const { gallery, title, environment } = document;
   return client.create({
     ...(simulation ? { simulation } : {}),
     model: gallery ? { gallery } : modelOf(document),
+    ...(Object.keys(parameters).length ? { parameters } : {}),
     seed,
     name: title,
     save: "request",
     countProductions: true,
     ...(environment && !gallery ? { environment: environment as [] } : {}),
+  });
+}
+
+/** A plant as it is: the text that its simulation has, the numbers that sliders have set beside it, and its state. */
+export interface Kept {
+  document: Document;
+  parameters: Values;
+  snapshot: string;
+}
+
+export async function keptOf(simulation: Simulation, document: Document): Promise<Kept> {
+  const [snapshot, { model }] = await Promise.all([simulation.save(), simulation.get("model")]);
+  const { files, forest, parameters } = model!;
+  const texts = Object.fromEntries(Object.entries(files).map(([name, text]) => [name.split("/").pop()!, text]));
+  return { document: { ...document, files: forest ? document.files : { ...document.files, ...texts }, gallery: null }, parameters: parameters ?? {}, snapshot };
+}
+
+/** Gives a simulation that was made of it its state; null: the server refuses it, as that of another text. */
+export async function restored(simulation: Simulation, { snapshot }: Kept): Promise<{ step: number; finished: boolean } | null> {
+  return simulation.restore(snapshot).catch((error) => {
+    if (!(error instanceof ServerError && error.code === Code.snapshot)) {
+      throw error;
+    }
+    return null;
   });
 }
 

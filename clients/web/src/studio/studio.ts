@@ -17,7 +17,7 @@ import { folderPalette } from "./palette.js";
 import { Recolours } from "./recolours.js";
 import { Watched } from "./watched.js";
 import { unpacked } from "./share.js";
-import { checkDocument, createPlant, isTokenRefused, keepText } from "./plants.js";
+import { checkDocument, createPlant, isTokenRefused, keepText, keptOf, restored } from "./plants.js";
 import type { Connection, EnvironmentEntry, GalleryEntry } from "./types.js";
 
 const CHECK_MILLISECONDS = 250;
@@ -87,6 +87,7 @@ export class Studio {
   shownTitle = "";
   private isFollowing = false; // builds after each of many changes
   private isNewer = false;
+  private isSame = true; // neither a text nor the environment was changed since the last build, but for numbers that sliders set
 
   // ---- listeners
 
@@ -227,7 +228,7 @@ export class Studio {
     } else {
       this.onConnected();
     }
-    if (isConnected && this.simulation && this.isOwn) {
+    if (isConnected && this.isOwn && (this.simulation || this.ownId)) {
       void this.act(() => this.regrow());
     }
     this.changed();
@@ -287,7 +288,7 @@ export class Studio {
       return;
     }
     this.document = withText(this.document, file, text);
-    this.recolours.isLast = false;
+    this.isSame = false;
     this.isChanged = true;
     this.changed();
     void this.check();
@@ -304,7 +305,7 @@ export class Studio {
       throw new Error("This link only watches. Open the page without it to grow a plant of your own.");
     }
     this.document = { ...this.document, ...changes, gallery: null };
-    this.recolours.isLast = isSame;
+    this.isSame &&= isSame;
     this.isChanged = true;
     this.isNewer = true;
     this.changed();
@@ -315,7 +316,7 @@ export class Studio {
     try {
       while (this.isNewer) {
         this.isNewer = false;
-        await this.build(this.answered.finished ? undefined : this.answered.step, isSame);
+        await this.build(this.answered.finished ? undefined : this.answered.step, true);
       }
     } catch (error) {
       this.fail(error);
@@ -327,13 +328,13 @@ export class Studio {
 
   /** The colours of the folder have changed. */
   recolour(file: string, base64: string): Promise<void> {
-    this.recolours.add(file, this.document.binary[file], base64);
+    this.recolours.add(file, this.document.binary[file], base64, this.document.files);
     return this.showColours(file, base64);
   }
 
   /** Takes the last change of a colour or of the shown text back, or makes it again. */
   undo(isRedo: boolean): void {
-    const taken = this.recolours.take(isRedo);
+    const taken = this.recolours.take(isRedo, this.document.files);
     if (taken) {
       void this.act(() => this.showColours(taken.file, taken.bytes));
     } else {
@@ -393,27 +394,30 @@ export class Studio {
     return mine;
   }
 
-  /** Makes the simulation of the document and derives it to a step (default: to its end). `isSame`: its state is that of the one before, also where it was pruned. */
-  build(step?: number, isSame = false): Promise<void> {
+  /** Makes the simulation of the document and derives it to a step (default: to its end). `isKept`: a plant that stays the same keeps its state, also where it was pruned. */
+  build(step?: number, isKept = false): Promise<void> {
     this.isRunning = false;
     return this.inTurn(async () => {
       const old = this.isOwn ? this.ownId : null;
       await keepText(this);
       const { document } = this;
       const isAgain = old !== null && this.shownTitle === document.title;
-      const snapshot = isSame && isAgain ? await this.simulation?.save() : undefined;
+      const kept = isKept && this.isSame && isAgain && this.simulation ? await keptOf(this.simulation, document) : null;
+      this.isSame = true;
+      const { history, statistics } = this;
       const grow = async () => {
         // in the place of the old one: pages that watch see the new one
-        const simulation = await createPlant(this.client, document, this.seed, old ?? undefined);
+        const simulation = await createPlant(this.client, kept?.document ?? document, this.seed, old ?? undefined, kept?.parameters);
+        const state = kept && (await restored(simulation, kept));
         this.diagnostics = simulation.created!.diagnostics;
         this.shownTitle = document.title;
         if (!isAgain) {
           await this.beside.close();
         }
         await this.show(simulation, true, !isAgain);
-        if (snapshot) {
-          // the state of another text is refused
-          await simulation.restore(snapshot).then((result) => this.reached(result), () => {});
+        if (state) {
+          Object.assign(this, { history, statistics });
+          this.reached(state);
         }
         await this.advance(step ?? this.length);
       };
@@ -430,6 +434,7 @@ export class Studio {
   /** Shows another plant of this page, with its past. */
   async take({ simulation, palette: _, ...past }: Growth): Promise<void> {
     this.document = past.document;
+    this.shownTitle = past.document.title;
     this.recolours.clear();
     await this.show(simulation, true, false);
     Object.assign(this, past);
@@ -449,7 +454,7 @@ export class Studio {
     this.simulation = simulation;
     this.isOwn = isOwn;
     this.ownId = isOwn ? simulation.id : this.ownId;
-    this.history.clear();
+    this.history = new History();
     this.statistics = [];
     this.picked = null;
     this.reached({ step: information?.step ?? 0, finished: simulation.created?.finished ?? information?.finished ?? false });
@@ -629,7 +634,6 @@ export class Studio {
     const { from, to } = definesOf(define.file, text).find(({ line }) => line === define.line) ?? define;
     const files = { ...this.document.files, [define.file]: text.slice(0, from) + written + text.slice(to) };
     this.document = { ...this.document, files, gallery: null };
-    this.recolours.isLast = false;
     this.isChanged = true;
     const isUnderWay = this.wanted !== null;
     this.slid = performance.now();
