@@ -114,6 +114,7 @@ test("a material is changed in all its parts, and seen when it is", async () => 
   assert.deepEqual(await page.evaluate(() => [...atob(studio.document.binary["stem.mat"])].map((one) => one.charCodeAt(0))), [...record(2, 0), 3, 102, 9, 9, 9, 40, 120, 30, 1, 2, 3, 8, 8, 8, 126]);
   await page.waitForFunction(() => { let found = false; studio.view.other?.traverse(({ material }) => (found ||= material?.alphaHash && Math.abs(material.opacity - 0.6) < 0.01)); return found; });
   await keep(page, "studio-materials");
+  assert.deepEqual(await seriousOf(page), []);
   // the three changes are one, as of a drag; Ctrl Z takes them back and not the text before
   const bytes = () => page.evaluate(() => studio.document.binary["stem.mat"]);
   const changed = await bytes();
@@ -597,16 +598,20 @@ test("the text is made wider and narrower, by mouse and by keys, and long lines 
   await page.close();
 });
 
+/** Serious findings of axe on a page. */
+async function seriousOf(page) {
+  // the policy of the page allows no other script; the browser's own channel runs it
+  await page.evaluate(readFileSync(join(here, "../node_modules/axe-core/axe.min.js"), "utf8"));
+  return page.evaluate(async () => {
+    const { violations } = await axe.run(document, { resultTypes: ["violations"] });
+    return violations.filter(({ impact }) => impact === "serious" || impact === "critical").map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join("; ")}`);
+  });
+}
+
 test("axe finds nothing serious, in light and dark, and the keyboard reaches everything", async () => {
   const page = await open(SMALL());
   for (const theme of ["light", "dark"]) {
-    // the policy of the page allows no other script; the browser's own channel runs it
-    await page.evaluate(readFileSync(join(here, "../node_modules/axe-core/axe.min.js"), "utf8"));
-    const serious = await page.evaluate(async () => {
-      const { violations } = await axe.run(document, { resultTypes: ["violations"] });
-      return violations.filter(({ impact }) => impact === "serious" || impact === "critical").map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 120)).join("; ")}`);
-    });
-    assert.deepEqual(serious, [], theme);
+    assert.deepEqual(await seriousOf(page), [], theme);
     await page.keyboard.press("d");
   }
   await page.keyboard.press("Home");

@@ -26,7 +26,7 @@ function MaterialForm({ index, material, onChange }: { index: number; material: 
     <fieldset class="material" id="material">
       <legend>Material {index}</legend>
       {COLOURS.map(([name, meaning]) => (
-        <label key={name} title={meaning}>{name}<small>{meaning}</small>
+        <label key={name} title={meaning}>{name}<small>{meaning.split(",")[0]}</small>
           <input type="color" id={`material-${name}`} value={hex(material[name])} onInput={(event) => onChange({ [name]: numbers(event.currentTarget.value) })} />
         </label>
       ))}

@@ -488,7 +488,9 @@ export class Studio {
       this.answered = { step, finished }; // others work on it
     }
     this.length = Math.max(this.length, step);
-    this.statistics = [...this.statistics.filter((one) => one.step < step), statistics];
+    // a state that was restored has no figures of its step
+    const known = statistics.milliseconds === 0 ? this.statistics.find((one) => one.step === step && one.modules === statistics.modules) : undefined;
+    this.statistics = [...this.statistics.filter((one) => one.step < step), known ?? statistics];
     void this.fields.refresh().catch((error) => this.fail(error));
     this.changed();
   }
