@@ -45,6 +45,5 @@ export const Code = {
   model: 1009,
   cancelled: 1010,
   notFound: 1011,
-  snapshot: 1013,
   modelChanged: 1017,
 } as const;

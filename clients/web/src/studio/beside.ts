@@ -139,6 +139,7 @@ export class Beside {
     if (!(await restored(simulation, kept))) {
       growth.history.clear();
       await simulation.stepUntil(growth.step);
+      this.studio.say("A plant could not take its state along: it is grown again from its seed, without what was cut or bent by hand.", true);
     }
     return simulation;
   }

@@ -37,10 +37,10 @@ export async function keptOf(simulation: Simulation, document: Document): Promis
   return { document: { ...document, files: forest ? document.files : { ...document.files, ...texts }, gallery: null }, parameters: parameters ?? {}, snapshot };
 }
 
-/** Gives a simulation that was made of it its state; null: the server refuses it, as that of another text. */
+/** Gives a simulation that was made of it its state; null: it is refused, as that of another text, or by an environment that restores none. */
 export async function restored(simulation: Simulation, { snapshot }: Kept): Promise<{ step: number; finished: boolean } | null> {
   return simulation.restore(snapshot).catch((error) => {
-    if (!(error instanceof ServerError && error.code === Code.snapshot)) {
+    if (!(error instanceof ServerError)) {
       throw error;
     }
     return null;

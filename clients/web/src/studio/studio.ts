@@ -402,7 +402,7 @@ export class Studio {
       await keepText(this);
       const { document } = this;
       const isAgain = old !== null && this.shownTitle === document.title;
-      const kept = isKept && this.isSame && isAgain && this.simulation ? await keptOf(this.simulation, document) : null;
+      const kept = isKept && this.isSame && isAgain && this.simulation ? await keptOf(this.simulation, document).catch(() => null) : null;
       this.isSame = true;
       const { history, statistics } = this;
       const grow = async () => {
