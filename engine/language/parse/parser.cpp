@@ -1,5 +1,6 @@
 #include "engine/language/parse/parser.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -228,8 +229,10 @@ void Parser::parseItems(LSystemSyntax& system) {
           }
           continue;
         }
-        if (near == "axiom" || lowered.starts_with("axiom ")) {
-          hint = "write a ':' behind 'Axiom'";
+        const auto unmarked = std::ranges::find_if(
+            kItems, [&](std::string_view item) { return lowered.starts_with(std::string(item) + " "); });
+        if (unmarked != kItems.end()) {
+          hint = "write a ':' behind '" + std::string(line.substr(0, unmarked->size())) + "'";
         }
         if (!lexer_.isFreeSyntax() && lexer_.lineIsIndented(token.range.begin)) {
           hint = tabHint();
