@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -40,8 +41,13 @@ class BinaryOutput {
     bytes({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
   }
   void single(double value) { add(static_cast<float>(value)); }
-  void vector(const core::Vec3& v) {
-    add(std::array{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)});
+  void vector(const core::Vec3& v) { singles(std::array{v.x, v.y, v.z}); }
+  template <std::size_t kCount>
+  void singles(const std::array<double, kCount>& values) {
+    std::array<float, kCount> singles;
+    std::transform(values.begin(), values.end(), singles.begin(),
+                   [](double value) { return static_cast<float>(value); });
+    add(singles);
   }
   void flush() {
     if (sink_ != nullptr && !buffer_->empty()) {

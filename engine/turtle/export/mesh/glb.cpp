@@ -14,7 +14,7 @@
 #include "engine/turtle/export/binary_output.h"
 #include "engine/turtle/export/ground_contact.h"
 #include "engine/turtle/export/mesh/glb_plan.h"
-#include "engine/turtle/export/mesh/mesh_rounds.h"
+#include "engine/turtle/export/mesh/mesh_work.h"
 #include "engine/turtle/export/text_output.h"
 
 namespace espalier::turtle {
@@ -59,7 +59,7 @@ class GlbWriter {
   void writeInstances(BinaryOutput& out) const;
   void writePictures(BinaryOutput& out) const;
   static void writeVertices(const Mesh& mesh, bool hasCoordinates, BinaryOutput& out);
-  static void appendIndices(const Mesh& mesh, std::uint32_t first, std::vector<std::uint32_t>& indices);
+  static void writeIndices(const Mesh& mesh, std::uint32_t first, BinaryOutput& out);
 
   void report(std::size_t done) { reportProgress(target_.progress, done, 2 * plan_.own.size()); }
 
@@ -184,9 +184,7 @@ void GlbWriter::writeMaterials(TextOutput& out) const {
     }
     // holes are cut out, so that nothing need be sorted
     const bool hasHoles = isTextured && opacity == 1.0 && texture->hasHoles();
-    out << (opacity < 1.0 ? ",\"alphaMode\":\"BLEND\""
-            : hasHoles    ? ",\"alphaMode\":\"MASK\""
-                          : "");
+    out << (opacity < 1.0 ? ",\"alphaMode\":\"BLEND\"" : hasHoles ? ",\"alphaMode\":\"MASK\"" : "");
     if (material.folder) {
       const std::array<double, 3>& specular = material.folder->specular;
       out << ",\"extensions\":{\"KHR_materials_specular\":{\"specularColorFactor\":[";
@@ -363,31 +361,29 @@ void GlbWriter::writeJson(core::ByteSink& sink) const {
 
 void GlbWriter::writeVertices(const Mesh& mesh, bool hasCoordinates, BinaryOutput& out) {
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    out.vector(mesh.positions[i]);
-    out.vector(unitNormal(mesh.normals[i]));
+    const Vec3& p = mesh.positions[i];
+    const Vec3 n = unitNormal(mesh.normals[i]);
+    out.singles(std::array{p.x, p.y, p.z, n.x, n.y, n.z});
     if (hasCoordinates) {
-      out.single(mesh.coordinates[i][0]);
-      out.single(1.0 - mesh.coordinates[i][1]);  // glTF has v downward
+      // glTF has v downward
+      out.singles(std::array{mesh.coordinates[i][0], 1.0 - mesh.coordinates[i][1]});
     }
   }
 }
 
-void GlbWriter::appendIndices(const Mesh& mesh, std::uint32_t first, std::vector<std::uint32_t>& indices) {
+void GlbWriter::writeIndices(const Mesh& mesh, std::uint32_t first, BinaryOutput& out) {
   for (const auto& face : mesh.faces) {
-    indices.insert(indices.end(), {first + face[0], first + face[1], first + face[2]});
-    if (face[3] != Mesh::kNoVertex) {
-      indices.insert(indices.end(), {first + face[0], first + face[2], first + face[3]});
+    const std::uint32_t a = first + face[0], b = first + face[1], c = first + face[2];
+    if (face[3] == Mesh::kNoVertex) {
+      out.uint32s(std::array{a, b, c});
+    } else {
+      out.uint32s(std::array{a, b, c, a, c, first + face[3]});
     }
   }
 }
 
 std::optional<std::string> GlbWriter::writePieces() {
   BinaryOutput out(target_.sink);
-  std::vector<std::uint32_t> indices;
-  const auto writeIndices = [&] {
-    out.uint32s(indices);
-    indices.clear();
-  };
   // the parts of pieces, without those of pieces that have no triangles
   std::vector<std::size_t> order;
   order.reserve(plan_.own.size());
@@ -396,36 +392,29 @@ std::optional<std::string> GlbWriter::writePieces() {
       order.push_back(plan_.pieces[i].firstPart + k);
     }
   }
-  // the pieces of the parts whose vertices are spelled, and whose bytes are written
-  const auto leave = [&](std::size_t i, std::size_t& piece) {
-    const bool isLast = order[i] + 1 == plan_.pieces[piece].firstPart + plan_.pieces[piece].partCount;
-    piece += isLast ? 1 : 0;
-    return isLast;
-  };
-  std::size_t spelledPiece = 0;
-  std::size_t piece = 0;
-  std::uint32_t first = 0;
+  std::size_t pieceNumber = 0;  // whose vertices are written
+  std::string indices;          // of that piece
   MeshWork work;
   work.make = [&](std::size_t i, Mesh& mesh) -> std::optional<std::string> {
     plan_.sceneOf(plan_.own[order[i]]).make(plan_.partOf(plan_.own[order[i]]), mesh);
     return std::nullopt;
   };
-  work.number = [&](std::size_t i, const Mesh&) -> std::uint64_t {
-    const std::size_t here = spelledPiece;
-    leave(i, spelledPiece);
-    return here;
+  // vertices, then indices
+  work.spell = [&](std::size_t i, const Mesh& mesh, std::uint64_t, std::string& bytes) {
+    BinaryOutput spelled(bytes);
+    writeVertices(mesh, plan_.hasCoordinates(plan_.partOf(plan_.own[order[i]]).material), spelled);
+    writeIndices(mesh, plan_.firstVertices[order[i]], spelled);
   };
-  work.spell = [&](std::size_t, const Mesh& mesh, std::uint64_t number, std::string& bytes) {
-    BinaryOutput vertices(bytes);
-    writeVertices(mesh, plan_.pieces[number].hasCoordinates, vertices);
-  };
-  work.use = [&](std::size_t i, const Mesh& mesh, std::string_view vertices) -> std::optional<std::string> {
-    out.bytes(vertices);
-    appendIndices(mesh, first, indices);
-    first += static_cast<std::uint32_t>(mesh.positions.size());
-    if (leave(i, piece)) {
-      writeIndices();
-      first = 0;
+  work.use = [&](std::size_t i, const Mesh& mesh, std::string_view bytes) -> std::optional<std::string> {
+    const Piece& piece = plan_.pieces[pieceNumber];
+    const std::size_t vertexBytes = mesh.positions.size() * piece.vertexBytes();
+    indices.reserve(piece.measure.indexCount * kGlbIndexBytes);
+    out.bytes(bytes.substr(0, vertexBytes));
+    indices.append(bytes.substr(vertexBytes));
+    if (order[i] + 1 == piece.firstPart + piece.partCount) {
+      out.bytes(indices);
+      indices.clear();
+      ++pieceNumber;
     }
     report(plan_.own.size() + order[i] + 1);
     return std::nullopt;
@@ -436,8 +425,7 @@ std::optional<std::string> GlbWriter::writePieces() {
   for (const auto& [scene, shape] : plan_.shapes) {
     const Mesh& mesh = plan_.meshes.scene(scene).sharedMeshes()[shape];
     writeVertices(mesh, true, out);
-    appendIndices(mesh, 0, indices);
-    writeIndices();
+    writeIndices(mesh, 0, out);
   }
   writeInstances(out);
   writePictures(out);

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "engine/core/elementary.h"
-#include "engine/turtle/export/mesh/mesh_rounds.h"
+#include "engine/turtle/export/mesh/mesh_work.h"
 
 namespace espalier::turtle {
 
@@ -85,6 +85,7 @@ bool GlbPlan::sharesMesh(const PartOf& a, const PartOf& b) const {
 
 std::optional<std::string> GlbPlan::measurePieces(const std::function<void(std::size_t)>& report) {
   std::vector<MeshMeasure> measures(own.size());
+  firstVertices.resize(own.size());
   MeshWork work;
   work.make = [&](std::size_t i, Mesh& mesh) {
     sceneOf(own[i]).make(partOf(own[i]), mesh);
@@ -99,6 +100,7 @@ std::optional<std::string> GlbPlan::measurePieces(const std::function<void(std::
       pieces.push_back({.material = next.material, .firstPart = i});
     }
     ++pieces.back().partCount;
+    firstVertices[i] = static_cast<std::uint32_t>(pieces.back().measure.vertexCount);
     pieces.back().measure.add(measures[i]);
     return std::nullopt;
   };
@@ -215,6 +217,11 @@ void GlbPlan::planInstances(const SceneCopy& copy, std::map<std::uint32_t, Plant
   }
 }
 
+// a small file has none that nothing wears
+bool GlbPlan::hasCoordinates(std::uint32_t material) const {
+  return !usesInstancing || meshes.materials()[material].texture != MeshMaterial::kNoTexture;
+}
+
 std::uint32_t GlbPlan::materialOf(const FileMesh& mesh, std::size_t piece) const {
   return mesh.material.value_or(pieces[piece].material);
 }
@@ -222,9 +229,8 @@ std::uint32_t GlbPlan::materialOf(const FileMesh& mesh, std::size_t piece) const
 void GlbPlan::placeBlocks() {
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     Piece& piece = pieces[i];
-    // a small file has none that nothing wears; shapes are few, and some of their materials may wear a texture
-    piece.hasCoordinates =
-        !usesInstancing || i >= ownPieceCount || meshes.materials()[piece.material].texture != MeshMaterial::kNoTexture;
+    // shapes are few, and some of their materials may wear a texture
+    piece.hasCoordinates = i >= ownPieceCount || hasCoordinates(piece.material);
     piece.firstAccessor = pieceAccessorCount;
     pieceAccessorCount += piece.accessorCount();
     piece.offset = binaryBytes;

@@ -123,14 +123,17 @@ struct GlbPlan {
 
   [[nodiscard]] const SceneMeshes& sceneOf(const PartOf& part) const { return meshes.scene(part.scene); }
   [[nodiscard]] const MeshPart& partOf(const PartOf& part) const { return sceneOf(part).parts()[part.part]; }
+  /// Whether the vertices of own parts of a material have texture coordinates.
+  [[nodiscard]] bool hasCoordinates(std::uint32_t material) const;
   /// The material of a primitive.
   [[nodiscard]] std::uint32_t materialOf(const FileMesh& mesh, std::size_t piece) const;
 
   PlacedMeshes meshes;
   bool usesInstancing;
-  std::vector<PartOf> own;     // parts with vertices of their own, by scene, plant, use and material
-  std::vector<PartOf> organs;  // with instancing: parts that are instances of shapes, by scene and plant
-  std::vector<Piece> pieces;   // own ones, then the shared shapes in use
+  std::vector<PartOf> own;                   // parts with vertices of their own, by scene, plant, use and material
+  std::vector<std::uint32_t> firstVertices;  // of own parts: number of the first vertex in its piece
+  std::vector<PartOf> organs;                // with instancing: parts that are instances of shapes, by scene and plant
+  std::vector<Piece> pieces;                 // own ones, then the shared shapes in use
   std::size_t ownPieceCount = 0;
   std::vector<FileMesh> files;
   std::map<std::pair<Shape, std::uint32_t>, std::size_t> organMesh;  // by shape and material

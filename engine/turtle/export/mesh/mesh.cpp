@@ -94,9 +94,24 @@ void smoothSeams(Mesh& mesh, std::size_t first) {
 }
 
 void appendVertex(Mesh& mesh, const Vec3& position, const Vec3& normal, double u, double v) {
+  const double length = core::length(normal);
   mesh.positions.push_back(position);
-  mesh.normals.push_back(core::length(normal) > 0.0 ? core::normalised(normal) : Vec3{0.0, 1.0, 0.0});
+  mesh.normals.push_back(length > 0.0 ? Vec3{normal.x / length, normal.y / length, normal.z / length}
+                                      : Vec3{0.0, 1.0, 0.0});
   mesh.coordinates.push_back({u, v});
+}
+
+// cosines and sines of the corners of a tube (sides + 1); the last are the first again
+const std::vector<std::array<double, 2>>& circleOf(int sides) {
+  thread_local std::vector<std::array<double, 2>> circle;  // most tubes of a plant have as many sides as the one before
+  if (circle.size() != static_cast<std::size_t>(sides) + 1) {
+    circle.clear();
+    for (int k = 0; k <= sides; ++k) {
+      const double angle = 2.0 * std::numbers::pi * (k % sides) / sides;
+      circle.push_back({core::cos(angle), core::sin(angle)});
+    }
+  }
+  return circle;
 }
 
 }  // namespace
@@ -347,11 +362,7 @@ void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides, doubl
   }
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const auto columns = static_cast<std::uint32_t>(sides);
-  std::vector<std::array<double, 2>> circle;
-  for (int k = 0; k <= sides; ++k) {
-    const double angle = 2.0 * std::numbers::pi * (k % sides) / sides;
-    circle.push_back({core::cos(angle), core::sin(angle)});
-  }
+  const std::vector<std::array<double, 2>>& circle = circleOf(sides);
   for (const TubeRing& ring : rings) {
     const Vec3 tilt = ring.slope * core::cross(ring.normalUp, ring.normalSide);
     for (std::uint32_t k = 0; k <= columns; ++k) {

@@ -5,7 +5,7 @@
 #include "engine/core/check.h"
 #include "engine/core/elementary.h"
 #include "engine/turtle/export/mesh/mesh_check.h"
-#include "engine/turtle/export/mesh/mesh_rounds.h"
+#include "engine/turtle/export/mesh/mesh_work.h"
 
 namespace espalier::turtle {
 

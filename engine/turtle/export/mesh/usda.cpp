@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/turtle/export/mesh/mesh_check.h"
-#include "engine/turtle/export/mesh/mesh_rounds.h"
+#include "engine/turtle/export/mesh/mesh_work.h"
 #include "engine/turtle/export/mesh/placed_meshes.h"
 #include "engine/turtle/export/text_output.h"
 
