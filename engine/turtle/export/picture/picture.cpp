@@ -1,6 +1,7 @@
 #include "engine/turtle/export/picture/picture.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <deque>
 #include <functional>
@@ -23,7 +24,7 @@ namespace espalier::turtle {
 namespace {
 
 constexpr std::size_t kTaskParts = 64;       // parts of the scene that one task turns into triangles
-constexpr std::size_t kRoundTasks = 32;      // tasks before the triangles are drawn
+constexpr std::size_t kRoundTasks = 16;      // tasks before the triangles are drawn
 constexpr std::size_t kMostStanding = 1000;  // copies whose contact with the ground is drawn
 
 /// The parts of all copies of the scenes of a picture.
@@ -124,39 +125,94 @@ PictureBounds boundsOf(const PlacedGeometry& geometry, const Projection& project
   return all;
 }
 
-// draws all parts into some rows of the picture, round by round: triangles are made, sorted into tiles, drawn
-void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, RasterTarget& target, core::WorkerTeam& team,
-               const std::function<void(std::size_t)>& report) {
-  struct Reference {
-    std::uint32_t task = 0;
-    std::uint32_t triangle = 0;
-  };
+/// Draws all parts into some rows of a picture. Parts become triangles, which are sorted into tiles, and these are
+/// drawn: a round of parts at a time. While tiles of one round are drawn, the triangles of the next are made.
+class PartsDrawing {
+ public:
+  PartsDrawing(const PlacedGeometry& geometry, const RasterCamera& camera, RasterTarget& target)
+      : geometry_(geometry), camera_(camera), target_(target), tileColumns_(target.tileColumns()) {
+    for (Round& round : rounds_) {
+      round.tiles.resize(static_cast<std::size_t>(tileColumns_) * static_cast<std::size_t>(target.tileRows()));
+    }
+  }
+
+  void draw(core::WorkerTeam& team, const std::function<void(std::size_t)>& report) {
+    constexpr std::size_t kRoundParts = kTaskParts * kRoundTasks;
+    const std::size_t roundCount = (geometry_.partCount() + kRoundParts - 1) / kRoundParts;
+    for (std::size_t number = 0; number <= roundCount; ++number) {
+      Round& next = rounds_[number % 2];
+      const Round& ready = rounds_[(number + 1) % 2];
+      next.begin(number * kRoundParts, std::min(geometry_.partCount(), (number + 1) * kRoundParts));
+      // the fullest tiles first, so that no thread comes late to one; the small tasks at the end fill the time
+      const std::size_t tileCount = ready.fullTiles.size();
+      team.forEach(tileCount + next.taskCount, [&](std::size_t task) {
+        if (task < tileCount) {
+          drawTile(ready, ready.fullTiles[task]);
+        } else {
+          makeTriangles(next, task - tileCount);
+        }
+      });
+      next.sortIntoTiles();
+      report(std::min(geometry_.partCount(), number * kRoundParts));
+    }
+  }
+
+ private:
   /// The result of one task for its parts: triangles, and the tiles in which each of them is seen.
   struct Made {
     std::vector<RasterTriangle> triangles;
     std::vector<std::pair<std::size_t, std::uint32_t>> places;  // tile and number of the triangle
   };
-  std::vector<Made> made(kRoundTasks);
-  const auto columns = static_cast<std::size_t>(target.tileColumns());
-  std::vector<std::vector<Reference>> tiles(columns * static_cast<std::size_t>(target.tileRows()));
-  for (std::size_t first = 0; first < geometry.partCount(); first += kTaskParts * kRoundTasks) {
-    const std::size_t parts = std::min(kTaskParts * kRoundTasks, geometry.partCount() - first);
-    for (Made& some : made) {
-      some.triangles.clear();
-      some.places.clear();
+  struct Reference {
+    std::uint32_t task = 0;
+    std::uint32_t triangle = 0;
+  };
+  struct Round {
+    std::size_t firstPart = 0, endPart = 0;
+    std::size_t taskCount = 0;
+    std::vector<Made> made = std::vector<Made>(kRoundTasks);  // the first `taskCount` of them
+    std::vector<std::vector<Reference>> tiles;                // the triangles in each, in order
+    std::vector<std::size_t> fullTiles;                       // those with triangles
+
+    void begin(std::size_t first, std::size_t end) {
+      firstPart = std::min(first, end);
+      endPart = end;
+      taskCount = (endPart - firstPart + kTaskParts - 1) / kTaskParts;
+      for (const std::size_t tile : fullTiles) {
+        tiles[tile].clear();
+      }
+      fullTiles.clear();
     }
-    forParts(team, parts, kTaskParts, [&](std::size_t part, std::size_t task) {
-      const PlacedGeometry::Item item = geometry.item(first + part);
-      auto& [triangles, places] = made[task];
+
+    void sortIntoTiles() {
+      for (std::uint32_t task = 0; task < taskCount; ++task) {
+        for (const auto& [tile, triangle] : made[task].places) {
+          if (tiles[tile].empty()) {
+            fullTiles.push_back(tile);
+          }
+          tiles[tile].push_back({task, triangle});
+        }
+      }
+      std::ranges::sort(fullTiles, std::greater{}, [this](std::size_t tile) { return tiles[tile].size(); });
+    }
+  };
+
+  void makeTriangles(Round& round, std::size_t task) const {
+    auto& [triangles, places] = round.made[task];
+    triangles.clear();
+    places.clear();
+    const std::size_t first = round.firstPart + task * kTaskParts;
+    for (std::size_t part = first; part < std::min(round.endPart, first + kTaskParts); ++part) {
+      const PlacedGeometry::Item item = geometry_.item(part);
       std::size_t kept = triangles.size();
-      item.scene.geometry.append(item.part, item.placement, camera, *item.scene.shading,
-                                 static_cast<std::uint32_t>(first + part), triangles);
+      item.scene.geometry.append(item.part, item.placement, camera_, *item.scene.shading,
+                                 static_cast<std::uint32_t>(part), triangles);
       // in the picture of a large plant most triangles are smaller than a sample and meet none
       for (std::size_t i = kept; i < triangles.size(); ++i) {
-        const auto [left, right, upper, lower] = target.tilesOf(triangles[i]);
+        const auto [left, right, upper, lower] = target_.tilesOf(triangles[i]);
         for (int row = upper; row <= lower; ++row) {
           for (int column = left; column <= right; ++column) {
-            places.emplace_back(static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column),
+            places.emplace_back(static_cast<std::size_t>(row * tileColumns_ + column),
                                 static_cast<std::uint32_t>(kept));
           }
         }
@@ -165,24 +221,23 @@ void drawParts(const PlacedGeometry& geometry, const RasterCamera& camera, Raste
         }
       }
       triangles.resize(kept);
-    });
-    for (auto& tile : tiles) {
-      tile.clear();
     }
-    for (std::uint32_t task = 0; task < made.size(); ++task) {
-      for (const auto& [tile, triangle] : made[task].places) {
-        tiles[tile].push_back({task, triangle});
-      }
-    }
-    team.forEach(tiles.size(), [&](std::size_t tile) {
-      for (const Reference& reference : tiles[tile]) {
-        target.draw(made[reference.task].triangles[reference.triangle], static_cast<int>(tile % columns),
-                    static_cast<int>(tile / columns));
-      }
-    });
-    report(first + parts);
   }
-}
+
+  void drawTile(const Round& round, std::size_t tile) {
+    const int number = static_cast<int>(tile);
+    for (const Reference& reference : round.tiles[tile]) {
+      target_.draw(round.made[reference.task].triangles[reference.triangle], number % tileColumns_,
+                   number / tileColumns_);
+    }
+  }
+
+  const PlacedGeometry& geometry_;
+  const RasterCamera& camera_;
+  RasterTarget& target_;
+  const int tileColumns_;
+  std::array<Round, 2> rounds_;
+};
 
 // where the plants stand; only the page of the model shows it: a white or transparent one is for other pages
 GroundShade groundOf(const PlacedScenes& placed, const PictureOptions& options) {
@@ -258,7 +313,7 @@ PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& opti
     const std::size_t stripCount =
         (static_cast<std::size_t>(image.height + rowsAtOnce) - 1) / static_cast<std::size_t>(rowsAtOnce);
     const std::size_t strip = static_cast<std::size_t>(first / rowsAtOnce);
-    drawParts(geometry, camera, target, team, [&](std::size_t done) {
+    PartsDrawing(geometry, camera, target).draw(team, [&](std::size_t done) {
       if (progress) {
         progress(strip * geometry.partCount() + done, stripCount * geometry.partCount());
       }
