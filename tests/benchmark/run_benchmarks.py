@@ -6,10 +6,12 @@ All figures are kept as JSON; with --baseline each row also says how the time co
 import argparse
 import json
 import math
+import pathlib
 import re
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 
 import results_page
@@ -54,6 +56,10 @@ SWEEP_MINUTES = 10.0  # of 10^5 runs by two workers
 # milliseconds when the work on them began, of one thread
 ENVIRONMENTS_BEFORE = {"trees-by-account": 752.0, "stand-year": 5100.0, "self-organizing-tree": 1200.0, "roots-in-soil": 1700.0}
 ENVIRONMENT_TARGET = 3.0  # x before
+
+# format and derivation length of `twigs`; whole commands that write plants over 10^6 modules
+WHOLE_COMMANDS = ((".png", 17), (".glb", 17), (".obj", 17), (".png", 19), (".glb", 19))
+WHOLE_COMMAND_TARGET = 1.6  # time of one thread over that of two
 
 OTHER_COLUMNS = (
     ("modules", "modules", "{:,.0f}", 1),
@@ -206,6 +212,36 @@ def environment_rows(espalier: str) -> list[list[str]]:
         gain = before / min(best.values())
         rows.append([model, f"{statistics_of_run['queries']:,}", *(f"{best[threads]:,.0f}" for threads in (1, 2)), f"{before:,.0f}",
                      f"{before / best[1]:.1f}", f"{before / best[2]:.1f}", f"{ENVIRONMENT_TARGET:.0f}", verdict(gain >= ENVIRONMENT_TARGET)])
+    return rows
+
+
+def whole_command_rows(espalier: str, models: str) -> list[list[str]]:
+    """`espalier run -o FILE` by one thread and by two in turn, seven times, from start to end; no file is there before.
+
+    Beside it: how much two processes gain that only compute, each as one thread does.
+    """
+    rows = [["espalier run twigs.l -o", "modules", "one thread ms", "two threads ms", "gain", "target", "", "two processes that compute gain"]]
+    compute = [sys.executable, "-c", "sum(i * i for i in range(4_000_000))"]
+    for suffix, steps in WHOLE_COMMANDS:
+        taken: dict[int, list[float]] = {1: [], 2: []}
+        machine = []
+        for _ in range(7):
+            for threads, times in taken.items():
+                with tempfile.TemporaryDirectory(dir=pathlib.Path(espalier).parent) as folder:
+                    start = time.perf_counter()
+                    subprocess.run([espalier, "run", f"{models}/twigs.l", "--define", f"N={steps}", "-o", f"{folder}/twigs{suffix}",
+                                    "--threads", str(threads), "--quiet"], stdout=subprocess.DEVNULL, check=True)
+                    times.append((time.perf_counter() - start) * 1e3)
+            start = time.perf_counter()
+            subprocess.run(compute, check=True)
+            middle = time.perf_counter()
+            both = [subprocess.Popen(compute) for _ in range(2)]
+            for process in both:
+                process.wait()
+            machine.append(2 * (middle - start) / (time.perf_counter() - middle))
+        gain = statistics.median(one / two for one, two in zip(*taken.values()))
+        rows.append([f"{suffix}, N={steps}", f"{10 * 2**steps:,}", *(f"{statistics.median(times):,.0f}" for times in taken.values()),
+                     f"{gain:.2f}", f"{WHOLE_COMMAND_TARGET}", verdict(gain >= WHOLE_COMMAND_TARGET), f"{statistics.median(machine):.2f}"])
     return rows
 
 
@@ -401,6 +437,7 @@ def main() -> int:
     print_table("Whole models, part by part", whole_model_rows(entries), page)
     if not options.names or any("field-models".startswith(name) or name.startswith("field-models") for name in options.names):
         print_table("Environments of models of the gallery", environment_rows(options.espalier), page)
+        print_table("Whole commands, two threads over one", whole_command_rows(options.espalier, options.models), page)
     print_table("Text", text_rows(entries), page)
     print_table("Two threads over one", thread_rows(entries), page)
     print_table("A server in another process", server_rows(entries), page)
