@@ -93,12 +93,23 @@ void smoothSeams(Mesh& mesh, std::size_t first) {
   }
 }
 
-void appendVertex(Mesh& mesh, const Vec3& position, const Vec3& normal, double u, double v) {
+// of a normal of any length; up when it has none
+Vec3 unitOrUp(const Vec3& normal) {
   const double length = core::length(normal);
+  return length > 0.0 ? Vec3{normal.x / length, normal.y / length, normal.z / length} : Vec3{0.0, 1.0, 0.0};
+}
+
+void appendVertex(Mesh& mesh, const Vec3& position, const Vec3& normal, double u, double v) {
   mesh.positions.push_back(position);
-  mesh.normals.push_back(length > 0.0 ? Vec3{normal.x / length, normal.y / length, normal.z / length}
-                                      : Vec3{0.0, 1.0, 0.0});
+  mesh.normals.push_back(unitOrUp(normal));
   mesh.coordinates.push_back({u, v});
+}
+
+// vertices that are set by their number afterwards
+void appendVertices(Mesh& mesh, std::size_t count) {
+  mesh.positions.resize(mesh.positions.size() + count);
+  mesh.normals.resize(mesh.positions.size());
+  mesh.coordinates.resize(mesh.positions.size());
 }
 
 // cosines and sines of the corners of a tube (sides + 1); the last are the first again
@@ -182,6 +193,29 @@ bool hasArea(const Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c
          core::length(normal) > kFlatTriangle * longest;
 }
 
+// Whether sides and areas of a face are so far from the bounds that neither joinCorners nor hasArea need look at it:
+// true of nearly all, and quicker than both.
+bool isFarFromFlat(const Mesh& mesh, const std::array<std::uint32_t, 4>& face) {
+  const bool isQuad = face[3] != Mesh::kNoVertex;
+  const Vec3& a = mesh.positions[face[0]];
+  const Vec3 ab = mesh.positions[face[1]] - a;
+  const Vec3 ac = mesh.positions[face[2]] - a;
+  const Vec3 ad = isQuad ? mesh.positions[face[3]] - a : ac;
+  const Vec3 bc = ac - ab;
+  const Vec3 cd = ad - ac;
+  const double abSquare = core::dot(ab, ab), bcSquare = core::dot(bc, bc), adSquare = core::dot(ad, ad);
+  const double shortest =
+      std::min(std::min(abSquare, bcSquare), isQuad ? std::min(adSquare, core::dot(cd, cd)) : adSquare);
+  const double longest =
+      std::max(std::max(abSquare, bcSquare), std::max(std::max(adSquare, core::dot(ac, ac)), core::dot(cd, cd)));
+  const Vec3 first = core::cross(ab, ac);
+  const Vec3 second = isQuad ? core::cross(ac, ad) : first;
+  constexpr double kMargin = 4.0;
+  return shortest > kMargin * kSamePlace * kSamePlace * longest &&
+         std::min(core::dot(first, first), core::dot(second, second)) >
+             kMargin * 4.0 * kFlatTriangle * kFlatTriangle * longest * longest;
+}
+
 // corners at almost one place come to lie at exactly one, so that no gap opens where a face is left out
 void joinCorners(Mesh& mesh, std::span<const std::uint32_t> corners) {
   double longest = 0.0;
@@ -211,17 +245,19 @@ void joinCorners(Mesh& mesh, std::span<const std::uint32_t> corners) {
 void dropDegenerateFaces(Mesh& mesh) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    auto [a, b, c, d] = mesh.faces[i];
-    joinCorners(mesh, std::span(mesh.faces[i]).first(d == Mesh::kNoVertex ? 3 : 4));
-    const bool isFirst = hasArea(mesh, a, b, c);
-    const bool isSecond = d != Mesh::kNoVertex && hasArea(mesh, a, c, d);
-    if (!isFirst && !isSecond) {
-      continue;
-    }
-    if (isFirst != isSecond) {
-      mesh.faces[kept] = isFirst ? std::array{a, b, c, Mesh::kNoVertex} : std::array{a, c, d, Mesh::kNoVertex};
-    } else {
+    if (isFarFromFlat(mesh, mesh.faces[i])) {
       mesh.faces[kept] = mesh.faces[i];
+    } else {
+      const auto [a, b, c, d] = mesh.faces[i];
+      joinCorners(mesh, std::span(mesh.faces[i]).first(d == Mesh::kNoVertex ? 3 : 4));
+      const bool isFirst = hasArea(mesh, a, b, c);
+      const bool isSecond = d != Mesh::kNoVertex && hasArea(mesh, a, c, d);
+      if (!isFirst && !isSecond) {
+        continue;
+      }
+      mesh.faces[kept] = isFirst == isSecond ? mesh.faces[i]
+                         : isFirst           ? std::array{a, b, c, Mesh::kNoVertex}
+                                             : std::array{a, c, d, Mesh::kNoVertex};
     }
     if (!mesh.faceSegments.empty()) {
       mesh.faceSegments[kept] = mesh.faceSegments[i];
@@ -240,19 +276,20 @@ void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement
   const auto toWorld = [&frame = placement.frame](double x, double y, double z) {
     return x * frame.left + y * frame.heading + z * frame.up;
   };
+  const bool isMirrored = s.x * s.y * s.z < 0.0;
+  appendVertices(mesh, local.positions.size());
   for (std::size_t i = 0; i < local.positions.size(); ++i) {
     const Vec3& p = local.positions[i];
     const Vec3& n = local.normals[i];
-    mesh.positions.push_back(placement.position + toWorld(p.x * s.x, p.y * s.y, p.z * s.z));
+    mesh.positions[first + i] = placement.position + toWorld(p.x * s.x, p.y * s.y, p.z * s.z);
     // the product of the other two factors instead of the inverse of each: no division
     const Vec3 normal = toWorld(n.x * s.y * s.z, n.y * s.x * s.z, n.z * s.x * s.y);
-    const bool isMirrored = s.x * s.y * s.z < 0.0;
-    mesh.normals.push_back(core::normalised(isMirrored ? -normal : normal));
-    mesh.coordinates.push_back(local.coordinates[i]);
+    mesh.normals[first + i] = core::normalised(isMirrored ? -normal : normal);
+    mesh.coordinates[first + i] = local.coordinates[i];
   }
   for (std::array<std::uint32_t, 4> face : local.faces) {
     const bool isTriangle = face[3] == Mesh::kNoVertex;
-    if (s.x * s.y * s.z < 0.0) {
+    if (isMirrored) {
       std::reverse(face.begin(), face.begin() + (isTriangle ? 3 : 4));
     }
     mesh.faces.push_back({first + face[0], first + face[1], first + face[2], isTriangle ? face[3] : first + face[3]});
@@ -363,12 +400,21 @@ void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides, doubl
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const auto columns = static_cast<std::uint32_t>(sides);
   const std::vector<std::array<double, 2>>& circle = circleOf(sides);
+  std::size_t vertex = first;
+  appendVertices(mesh, rings.size() * circle.size() + 2 * std::size_t{columns});
+  const auto set = [&](const TubeRing& ring, std::uint32_t corner, const Vec3& unitNormal, double u, double v) {
+    const auto [c, s] = circle[corner];
+    mesh.positions[vertex] = ring.centre + (c * ring.up + s * ring.side);
+    mesh.normals[vertex] = unitNormal;
+    mesh.coordinates[vertex] = {u, v};
+    ++vertex;
+  };
   for (const TubeRing& ring : rings) {
     const Vec3 tilt = ring.slope * core::cross(ring.normalUp, ring.normalSide);
     for (std::uint32_t k = 0; k <= columns; ++k) {
       const auto [c, s] = circle[k];
-      appendVertex(mesh, ring.centre + (c * ring.up + s * ring.side), c * ring.normalUp + s * ring.normalSide + tilt,
-                   static_cast<double>(k) / sides, ratio > 0.0 ? ring.turns / ratio : ring.along);
+      set(ring, k, unitOrUp(c * ring.normalUp + s * ring.normalSide + tilt), static_cast<double>(k) / sides,
+          ratio > 0.0 ? ring.turns / ratio : ring.along);
     }
     mesh.vertexSegments.insert(mesh.vertexSegments.end(), columns + 1, ring.segment);
   }
@@ -379,11 +425,11 @@ void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides, doubl
   // flat ends, with vertices of their own for their normals
   for (const bool isEnd : {false, true}) {
     const TubeRing& ring = isEnd ? rings.back() : rings.front();
-    const Vec3 outward = core::cross(ring.normalUp, ring.normalSide) * (isEnd ? 1.0 : -1.0);
-    const auto rim = static_cast<std::uint32_t>(mesh.positions.size());
+    const Vec3 outward = unitOrUp(core::cross(ring.normalUp, ring.normalSide) * (isEnd ? 1.0 : -1.0));
+    const auto rim = static_cast<std::uint32_t>(vertex);
     for (std::uint32_t k = 0; k < columns; ++k) {
       const auto [c, s] = circle[k];
-      appendVertex(mesh, ring.centre + (c * ring.up + s * ring.side), outward, 0.5 + 0.5 * c, 0.5 + 0.5 * s);
+      set(ring, k, outward, 0.5 + 0.5 * c, 0.5 + 0.5 * s);
     }
     for (std::uint32_t k = 1; k + 1 < columns; ++k) {
       mesh.faces.push_back(isEnd ? std::array{rim, rim + k, rim + k + 1, Mesh::kNoVertex}

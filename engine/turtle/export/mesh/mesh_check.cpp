@@ -56,6 +56,10 @@ std::optional<std::string> problemOf(const Mesh& mesh, const SceneMeshes& scene,
 }
 
 Vec3 unitNormal(const Vec3& normal) {
+  // most are unit vectors: no root
+  if (std::abs(core::dot(normal, normal) - 1.0) < 1e-3) {
+    return normal;
+  }
   const double length = core::length(normal);
   return std::abs(length - 1.0) < 1e-3           ? normal
          : length > 0.0 && std::isfinite(length) ? normal * (1.0 / length)
