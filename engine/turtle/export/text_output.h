@@ -21,6 +21,11 @@ class TextOutput {
   TextOutput& operator=(const TextOutput&) = delete;
 
   TextOutput& operator<<(std::string_view text) {
+    if (sink_ != nullptr && text.size() > kPieceBytes) {
+      flush();
+      sink_->write(text);
+      return *this;
+    }
     text_->append(text);
     if (text_->size() > kPieceBytes) {
       flush();

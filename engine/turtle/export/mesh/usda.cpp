@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <numeric>
 #include <set>
 #include <string>
@@ -37,6 +38,86 @@ void writeHeader(const std::optional<GrowthRange>& range, TextOutput& out) {
   out << ")\n\ndef Xform \"espalier\"\n{\n";
 }
 
+/// The arrays of a mesh as text. Elements are separated by commas; the brackets come around those of a whole piece.
+constexpr std::size_t kArrayCount = 5;
+enum MeshArray : std::size_t { kPoints, kNormals, kCoordinates, kFaceCounts, kFaceIndices };
+
+template <typename Element, typename Write>
+void writeElements(const std::vector<Element>& elements, TextOutput& out, Write write) {
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    if (i > 0) {
+      out << ',';
+    }
+    write(elements[i]);
+  }
+}
+
+void writeArray(MeshArray array, const Mesh& mesh, std::uint64_t firstVertex, TextOutput& out) {
+  switch (array) {
+    case kPoints:
+      return writeElements(mesh.positions, out, [&out](const Vec3& p) { writeTuple(p, out); });
+    case kNormals:
+      return writeElements(mesh.normals, out, [&out](const Vec3& n) { writeTuple(unitNormal(n), out); });
+    case kCoordinates:
+      return writeElements(mesh.coordinates, out, [&out](const std::array<double, 2>& uv) {
+        (out << '(').single(uv[0]) << ',';
+        out.single(uv[1]) << ')';
+      });
+    case kFaceCounts:
+      return writeElements(mesh.faces, out,
+                           [&out](const auto& face) { out << (face[3] == Mesh::kNoVertex ? '3' : '4'); });
+    case kFaceIndices:
+      return writeElements(mesh.faces, out, [&out, firstVertex](const auto& face) {
+        const std::size_t corners = face[3] == Mesh::kNoVertex ? 3 : 4;
+        for (std::size_t k = 0; k < corners; ++k) {
+          (k == 0 ? out : out << ',').integer(static_cast<long long>(firstVertex + face[k]));
+        }
+      });
+  }
+}
+
+/// Appends the lengths of all arrays and then their text.
+void spellArrays(const Mesh& mesh, std::uint64_t firstVertex, std::string& bytes) {
+  const std::size_t start = bytes.size();
+  std::array<std::size_t, kArrayCount> lengths{};
+  bytes.append(sizeof(lengths), '\0');
+  for (std::size_t array = 0; array < kArrayCount; ++array) {
+    const std::size_t before = bytes.size();
+    TextOutput out(bytes);
+    writeArray(static_cast<MeshArray>(array), mesh, firstVertex, out);
+    lengths[array] = bytes.size() - before;
+  }
+  std::memcpy(bytes.data() + start, lengths.data(), sizeof(lengths));
+}
+
+/// Some meshes in a row that are written as one: the arrays of all of them.
+struct PieceText {
+  std::array<std::string, kArrayCount> arrays;
+  Bounds bounds{};
+  std::size_t vertexCount = 0;
+
+  /// `spelled` by spellArrays.
+  void add(const Mesh& mesh, std::string_view spelled) {
+    std::array<std::size_t, kArrayCount> lengths{};
+    std::memcpy(lengths.data(), spelled.data(), sizeof(lengths));
+    spelled.remove_prefix(sizeof(lengths));
+    for (std::size_t array = 0; array < kArrayCount; ++array) {
+      const bool isBetween = !arrays[array].empty() && lengths[array] > 0;
+      arrays[array].append(isBetween ? "," : "").append(spelled.substr(0, lengths[array]));
+      spelled.remove_prefix(lengths[array]);
+    }
+    bounds.add(mesh);
+    vertexCount += mesh.positions.size();
+  }
+  void clear() {
+    for (std::string& array : arrays) {
+      array.clear();
+    }
+    bounds = {};
+    vertexCount = 0;
+  }
+};
+
 /// Writes the meshes of one scene below the prim of the given path.
 class SceneWriter {
  public:
@@ -51,8 +132,6 @@ class SceneWriter {
   void writeMaterials();
   void writeTexture(const MeshMaterial& material, const std::string& path);
   void writePiece(std::uint32_t plant, std::uint32_t material);
-  template <typename Element, typename Write>
-  void writeArray(std::string_view declaration, const std::vector<Element>& elements, Write write);
   [[nodiscard]] std::string pictureName(const MeshTexture& texture) const {
     return withSuffix(target_.fileName, "_" + texture.name + texture.suffix());
   }
@@ -64,21 +143,9 @@ class SceneWriter {
   std::string path_;
   const ExportTarget& target_;
   TextOutput& out_;
-  Mesh piece_;
+  PieceText piece_;
   std::size_t pieceNumber_ = 0;  // among those of the same plant and material in a row
 };
-
-template <typename Element, typename Write>
-void SceneWriter::writeArray(std::string_view declaration, const std::vector<Element>& elements, Write write) {
-  out_ << "        " << declaration << " = [";
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    if (i > 0) {
-      out_ << ',';
-    }
-    write(elements[i]);
-  }
-  out_ << ']';
-}
 
 // the picture, its place on the mesh, and how it meets the colour
 void SceneWriter::writeTexture(const MeshMaterial& material, const std::string& path) {
@@ -133,7 +200,8 @@ void SceneWriter::writeMaterials() {
 }
 
 void SceneWriter::writePiece(std::uint32_t plant, std::uint32_t material) {
-  if (piece_.faces.empty()) {
+  if (piece_.arrays[kFaceCounts].empty()) {
+    piece_.clear();
     return;
   }
   out_ << "    def Mesh \"plant_";
@@ -143,32 +211,19 @@ void SceneWriter::writePiece(std::uint32_t plant, std::uint32_t material) {
       << "        uniform token subdivisionScheme = \"none\"\n"
       << "        uniform bool doubleSided = 1\n"
       << "        rel material:binding = <" << path_ << "/materials/" << materialName(material) << ">\n";
-  Bounds bounds;
-  bounds.add(piece_);
   out_ << "        float3[] extent = [";
-  writeTuple(bounds.low, out_);
-  writeTuple(bounds.high, out_ << ',');
+  writeTuple(piece_.bounds.low, out_);
+  writeTuple(piece_.bounds.high, out_ << ',');
   out_ << "]\n";
-  const auto writeVector = [this](const Vec3& v) { writeTuple(v, out_); };
-  writeArray("point3f[] points", piece_.positions, writeVector);
-  out_ << '\n';
-  writeArray("normal3f[] normals", piece_.normals, [&](const Vec3& n) { writeVector(unitNormal(n)); });
-  out_ << " (\n            interpolation = \"vertex\"\n        )\n";
-  writeArray("texCoord2f[] primvars:st", piece_.coordinates, [this](const std::array<double, 2>& uv) {
-    (out_ << '(').single(uv[0]) << ',';
-    out_.single(uv[1]) << ')';
-  });
-  out_ << " (\n            interpolation = \"vertex\"\n        )\n";
-  writeArray("int[] faceVertexCounts", piece_.faces,
-             [this](const auto& face) { out_ << (face[3] == Mesh::kNoVertex ? '3' : '4'); });
-  out_ << '\n';
-  writeArray("int[] faceVertexIndices", piece_.faces, [this](const auto& face) {
-    const std::size_t corners = face[3] == Mesh::kNoVertex ? 3 : 4;
-    for (std::size_t k = 0; k < corners; ++k) {
-      (k == 0 ? out_ : out_ << ',').integer(face[k]);
-    }
-  });
-  out_ << "\n    }\n";
+  const auto write = [this](std::string_view declaration, MeshArray array) -> TextOutput& {
+    return out_ << "        " << declaration << " = [" << piece_.arrays[array] << ']';
+  };
+  constexpr std::string_view kByVertex = " (\n            interpolation = \"vertex\"\n        )\n";
+  write("point3f[] points", kPoints) << '\n';
+  write("normal3f[] normals", kNormals) << kByVertex;
+  write("texCoord2f[] primvars:st", kCoordinates) << kByVertex;
+  write("int[] faceVertexCounts", kFaceCounts) << '\n';
+  write("int[] faceVertexIndices", kFaceIndices) << "\n    }\n";
   piece_.clear();
 }
 
@@ -189,11 +244,22 @@ std::optional<std::string> SceneWriter::write() {
       place(mesh, copy.placement);
       return problemOf(mesh, scene, parts[order[i]]);
     };
-    work.use = [&](std::size_t i, const Mesh& mesh, std::string_view) -> std::optional<std::string> {
+    const auto isLastOfKey = [&](std::size_t i) { return i + 1 == order.size() || key(order[i + 1]) != key(order[i]); };
+    // of the vertex that a mesh begins with in its piece
+    work.number = [&, vertexCount = std::size_t{0}](std::size_t i, const Mesh& mesh) mutable {
+      const std::size_t first = vertexCount;
+      vertexCount += mesh.positions.size();
+      vertexCount = isLastOfKey(i) || vertexCount >= kPieceVertices ? 0 : vertexCount;
+      return first;
+    };
+    work.spell = [](std::size_t, const Mesh& mesh, std::uint64_t firstVertex, std::string& bytes) {
+      spellArrays(mesh, firstVertex, bytes);
+    };
+    work.use = [&](std::size_t i, const Mesh& mesh, std::string_view bytes) -> std::optional<std::string> {
       const MeshPart& part = parts[order[i]];
-      append(piece_, mesh);
-      const bool isLast = i + 1 == order.size() || key(order[i + 1]) != key(order[i]);
-      if (isLast || piece_.positions.size() >= kPieceVertices) {
+      piece_.add(mesh, bytes);
+      const bool isLast = isLastOfKey(i);
+      if (isLast || piece_.vertexCount >= kPieceVertices) {
         writePiece(copy.firstPlant + part.plant, part.material);
         pieceNumber_ = isLast ? 0 : pieceNumber_;
       }
