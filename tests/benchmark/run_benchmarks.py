@@ -218,9 +218,9 @@ def environment_rows(espalier: str) -> list[list[str]]:
 def whole_command_rows(espalier: str, models: str) -> list[list[str]]:
     """`espalier run -o FILE` by one thread and by two in turn, seven times, from start to end; no file is there before.
 
-    Beside it: how much two processes gain that only compute, each as one thread does.
+    Beside it, what the machine gives: the time of one process that only computes, twice, over that of two at the same time.
     """
-    rows = [["espalier run twigs.l -o", "modules", "one thread ms", "two threads ms", "gain", "target", "", "two processes that compute gain"]]
+    rows = [["espalier run twigs.l -o", "modules, about", "one thread ms", "two threads ms", "gain", "target", "", "two processes that only compute"]]
     compute = [sys.executable, "-c", "sum(i * i for i in range(4_000_000))"]
     for suffix, steps in WHOLE_COMMANDS:
         taken: dict[int, list[float]] = {1: [], 2: []}

@@ -77,7 +77,8 @@ enum class ExportSource : std::uint8_t {
   Modules,  // program, strings, visitModules; the scene may be empty
 };
 
-/// Receives the progress of an export: parts written and parts in all. Called from time to time and with the last part.
+/// Receives the progress of an export: parts written and parts in all. Called from time to time and with the last part,
+/// by one thread at a time, which need not be the caller's.
 using ExportProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 /// Calls a progress function, if there is one, at every 4096th part and at the last.
@@ -87,7 +88,7 @@ inline void reportProgress(const ExportProgress& progress, std::uint64_t done, s
   }
 }
 
-/// Where an export goes.
+/// Where an export goes. Its sinks get their bytes from one thread at a time, which need not be the caller's.
 struct ExportTarget {
   std::string fileName;  // without folders; its companions are named after it
   core::ByteSink& sink;

@@ -392,8 +392,8 @@ std::optional<std::string> GlbWriter::writePieces() {
       order.push_back(plan_.pieces[i].firstPart + k);
     }
   }
-  std::size_t pieceNumber = 0;  // whose vertices are written
-  std::string indices;          // of that piece
+  std::size_t pieceNumber = 0;  // the piece whose vertices are being written
+  std::string indices;          // of the parts of that piece so far
   MeshWork work;
   work.make = [&](std::size_t i, Mesh& mesh) -> std::optional<std::string> {
     plan_.sceneOf(plan_.own[order[i]]).make(plan_.partOf(plan_.own[order[i]]), mesh);

@@ -112,19 +112,6 @@ void appendVertices(Mesh& mesh, std::size_t count) {
   mesh.coordinates.resize(mesh.positions.size());
 }
 
-// cosines and sines of the corners of a tube (sides + 1); the last are the first again
-const std::vector<std::array<double, 2>>& circleOf(int sides) {
-  thread_local std::vector<std::array<double, 2>> circle;  // most tubes of a plant have as many sides as the one before
-  if (circle.size() != static_cast<std::size_t>(sides) + 1) {
-    circle.clear();
-    for (int k = 0; k <= sides; ++k) {
-      const double angle = 2.0 * std::numbers::pi * (k % sides) / sides;
-      circle.push_back({core::cos(angle), core::sin(angle)});
-    }
-  }
-  return circle;
-}
-
 }  // namespace
 
 void Mesh::clear() {
@@ -193,27 +180,25 @@ bool hasArea(const Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c
          core::length(normal) > kFlatTriangle * longest;
 }
 
-// Whether sides and areas of a face are so far from the bounds that neither joinCorners nor hasArea need look at it:
-// true of nearly all, and quicker than both.
+// Whether sides and areas of a face are far from the bounds: then neither joinCorners nor hasArea would change it. True
+// of nearly all faces, and quicker than both. Each product is compared by itself, so that a NaN fails.
 bool isFarFromFlat(const Mesh& mesh, const std::array<std::uint32_t, 4>& face) {
+  constexpr double kMargin = 4.0;
   const bool isQuad = face[3] != Mesh::kNoVertex;
   const Vec3& a = mesh.positions[face[0]];
   const Vec3 ab = mesh.positions[face[1]] - a;
   const Vec3 ac = mesh.positions[face[2]] - a;
   const Vec3 ad = isQuad ? mesh.positions[face[3]] - a : ac;
   const Vec3 bc = ac - ab;
-  const Vec3 cd = ad - ac;
-  const double abSquare = core::dot(ab, ab), bcSquare = core::dot(bc, bc), adSquare = core::dot(ad, ad);
-  const double shortest =
-      std::min(std::min(abSquare, bcSquare), isQuad ? std::min(adSquare, core::dot(cd, cd)) : adSquare);
-  const double longest =
-      std::max(std::max(abSquare, bcSquare), std::max(std::max(adSquare, core::dot(ac, ac)), core::dot(cd, cd)));
+  const Vec3 cd = isQuad ? ad - ac : bc;
+  const std::array squares{core::dot(ab, ab), core::dot(bc, bc), core::dot(cd, cd), core::dot(ad, ad)};
+  const double longest = std::max(core::dot(ac, ac), std::ranges::max(squares));
+  const double leastSquare = kMargin * kSamePlace * kSamePlace * longest;
+  const double leastArea = kMargin * 4.0 * kFlatTriangle * kFlatTriangle * longest * longest;
   const Vec3 first = core::cross(ab, ac);
   const Vec3 second = isQuad ? core::cross(ac, ad) : first;
-  constexpr double kMargin = 4.0;
-  return shortest > kMargin * kSamePlace * kSamePlace * longest &&
-         std::min(core::dot(first, first), core::dot(second, second)) >
-             kMargin * 4.0 * kFlatTriangle * kFlatTriangle * longest * longest;
+  return squares[0] > leastSquare && squares[1] > leastSquare && squares[2] > leastSquare && squares[3] > leastSquare &&
+         core::dot(first, first) > leastArea && core::dot(second, second) > leastArea;
 }
 
 // corners at almost one place come to lie at exactly one, so that no gap opens where a face is left out
@@ -393,13 +378,21 @@ void appendDisc(Mesh& mesh, const Ball& ball, int sides) {
   }
 }
 
-void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides, double ratio) {
+TubeCircle tubeCircle(int sides) {
+  TubeCircle circle;
+  for (int k = 0; k <= sides; ++k) {
+    const double angle = 2.0 * std::numbers::pi * (k % sides) / sides;
+    circle.push_back({core::cos(angle), core::sin(angle)});
+  }
+  return circle;
+}
+
+void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, const TubeCircle& circle, double ratio) {
   if (rings.size() < 2) {
     return;
   }
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-  const auto columns = static_cast<std::uint32_t>(sides);
-  const std::vector<std::array<double, 2>>& circle = circleOf(sides);
+  const auto columns = static_cast<std::uint32_t>(circle.size() - 1);
   std::size_t vertex = first;
   appendVertices(mesh, rings.size() * circle.size() + 2 * std::size_t{columns});
   const auto set = [&](const TubeRing& ring, std::uint32_t corner, const Vec3& unitNormal, double u, double v) {
@@ -413,7 +406,7 @@ void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, int sides, doubl
     const Vec3 tilt = ring.slope * core::cross(ring.normalUp, ring.normalSide);
     for (std::uint32_t k = 0; k <= columns; ++k) {
       const auto [c, s] = circle[k];
-      set(ring, k, unitOrUp(c * ring.normalUp + s * ring.normalSide + tilt), static_cast<double>(k) / sides,
+      set(ring, k, unitOrUp(c * ring.normalUp + s * ring.normalSide + tilt), static_cast<double>(k) / columns,
           ratio > 0.0 ? ring.turns / ratio : ring.along);
     }
     mesh.vertexSegments.insert(mesh.vertexSegments.end(), columns + 1, ring.segment);

@@ -63,8 +63,8 @@ struct MeshTask {
   }
 };
 
-/// Tasks on their way from `make` to `use`. They lie in a ring: a task waits until the one whose slot it takes is used.
-/// Each thread takes the piece of work that brings the oldest task forward, so none waits while there is any.
+/// Tasks on their way from `make` to `use`. They lie in a ring: a task begins when the one that had its slot is used.
+/// Each thread takes the piece of work that brings the oldest task forward. It waits only when nothing can be done.
 class MeshPipeline {
  public:
   MeshPipeline(std::size_t meshCount, const MeshWork& work, unsigned threads)
@@ -101,7 +101,7 @@ class MeshPipeline {
 
   [[nodiscard]] Slot& slotOf(std::size_t task) { return slots_[task % slots_.size()]; }
 
-  // one piece of work; without any waits for what the other threads do
+  // does one piece of work; when there is none, waits until another thread has done one
   void takePiece(std::unique_lock<std::mutex>& lock) {
     if (!isUsing_ && used_ < toSpell_ && slotOf(used_).isSpelled) {
       use(lock);

@@ -12,8 +12,10 @@
 
 namespace espalier::turtle {
 
-/// The work on meshes that are numbered from 0. `make` and `spell` must not depend on other meshes: several threads
-/// do them at the same time. `number` and `use` take one mesh at a time, in order, on any of the threads.
+/// The work on meshes that are numbered from 0. Several threads do it:
+/// - `make` and `spell` of several meshes at the same time, so these must not depend on other meshes;
+/// - `number` of one mesh at a time, in order, and `use` too. `number` runs ahead of `use` and beside it: they share no
+///   state.
 struct MeshWork {
   /// Makes a mesh that was cleared. Returns a sentence when files cannot hold the mesh.
   std::function<std::optional<std::string>(std::size_t, Mesh&)> make;
@@ -25,9 +27,10 @@ struct MeshWork {
   std::function<std::optional<std::string>(std::size_t, const Mesh&, std::string_view bytes)> use;
 };
 
-/// Does the work on `count` meshes, of which some hundreds are in memory at a time: the output does not depend on the
-/// threads. While one thread uses a mesh, the others make the next. Stops at the first sentence, which is returned.
-/// Throws what the work throws.
+/// Does the work on `count` meshes. The output does not depend on the threads: while one thread uses a mesh, the others
+/// make the next. Of each thread 128 meshes are in memory (8 when there is one thread). Stops at a sentence, which is
+/// returned: the first of the meshes in their order. Throws what the work throws; when several threads fail, it is not
+/// determined which failure ends the work.
 [[nodiscard]] std::optional<std::string> forMeshes(core::WorkerTeam& team, std::size_t count, const MeshWork& work);
 
 }  // namespace espalier::turtle

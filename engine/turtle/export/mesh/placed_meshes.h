@@ -57,8 +57,8 @@ class PlacedMeshes {
   [[nodiscard]] Item item(std::size_t index) const;
 
   /// Makes the mesh of every part of every copy in world coordinates and hands it over, copy after copy, each in the
-  /// order of its parts, on the calling thread. Refuses positions that files cannot hold. Stops at the first sentence,
-  /// which is returned.
+  /// order of its parts, one at a time on any thread of the team. Refuses positions that files cannot hold. Stops at
+  /// the first sentence, which is returned.
   using Use = std::function<std::optional<std::string>(const Item& item, const Mesh& mesh)>;
   [[nodiscard]] std::optional<std::string> forEach(const Use& use);
   /// The same with the bytes of each mesh, which several threads spell (MeshWork).

@@ -53,6 +53,7 @@ SceneMeshes::SceneMeshes(const ExportInput& input, MaterialTable& materials, boo
       look_(meshLineLookOf(input.scene, input.view)),
       detail_(input.detail),
       sides_(atDetail(std::clamp(input.view.contourSides, 3, 64), input.detail, 3)),
+      circle_(tubeCircle(sides_)),
       keepsDegenerate_(keepsDegenerate) {
   collectParts(materials);
   makeSharedMeshes();
@@ -198,7 +199,7 @@ void SceneMeshes::fill(const MeshPart& part, Mesh& mesh) const {
   switch (part.kind) {
     case OrganKind::Branch: {
       const files::Texture* const texture = textureOf(scene_.segments[part.index].texture);
-      appendTube(mesh, ringsOf(scene_, palette_, chains_, part.index, look_), sides_,
+      appendTube(mesh, ringsOf(scene_, palette_, chains_, part.index, look_), circle_,
                  texture != nullptr ? texture->ratio : 0.0);
       return;
     }

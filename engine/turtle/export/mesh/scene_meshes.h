@@ -91,6 +91,7 @@ class SceneMeshes {
   LineLook look_;
   double detail_ = 1.0;  // factor of the numbers of sides and subdivisions
   int sides_ = 8;        // around tubes
+  TubeCircle circle_;    // of so many sides
   bool keepsDegenerate_ = false;
 };
 

@@ -38,9 +38,9 @@ void writeHeader(const std::optional<GrowthRange>& range, TextOutput& out) {
   out << ")\n\ndef Xform \"espalier\"\n{\n";
 }
 
-/// The arrays of a mesh as text. Elements are separated by commas; the brackets come around those of a whole piece.
-constexpr std::size_t kArrayCount = 5;
+/// The arrays of a mesh. Each is spelled as its elements with commas between; a piece puts brackets around them.
 enum MeshArray : std::size_t { kPoints, kNormals, kCoordinates, kFaceCounts, kFaceIndices };
+constexpr std::size_t kArrayCount = 5;
 
 template <typename Element, typename Write>
 void writeElements(const std::vector<Element>& elements, TextOutput& out, Write write) {
@@ -245,11 +245,14 @@ std::optional<std::string> SceneWriter::write() {
       return problemOf(mesh, scene, parts[order[i]]);
     };
     const auto isLastOfKey = [&](std::size_t i) { return i + 1 == order.size() || key(order[i + 1]) != key(order[i]); };
-    // of the vertex that a mesh begins with in its piece
+    const auto endsPiece = [&](std::size_t i, std::size_t vertexCount) {
+      return isLastOfKey(i) || vertexCount >= kPieceVertices;
+    };
+    // the number of a mesh's first vertex in its piece
     work.number = [&, vertexCount = std::size_t{0}](std::size_t i, const Mesh& mesh) mutable {
       const std::size_t first = vertexCount;
       vertexCount += mesh.positions.size();
-      vertexCount = isLastOfKey(i) || vertexCount >= kPieceVertices ? 0 : vertexCount;
+      vertexCount = endsPiece(i, vertexCount) ? 0 : vertexCount;
       return first;
     };
     work.spell = [](std::size_t, const Mesh& mesh, std::uint64_t firstVertex, std::string& bytes) {
@@ -258,10 +261,9 @@ std::optional<std::string> SceneWriter::write() {
     work.use = [&](std::size_t i, const Mesh& mesh, std::string_view bytes) -> std::optional<std::string> {
       const MeshPart& part = parts[order[i]];
       piece_.add(mesh, bytes);
-      const bool isLast = isLastOfKey(i);
-      if (isLast || piece_.vertexCount >= kPieceVertices) {
+      if (endsPiece(i, piece_.vertexCount)) {
         writePiece(copy.firstPlant + part.plant, part.material);
-        pieceNumber_ = isLast ? 0 : pieceNumber_;
+        pieceNumber_ = isLastOfKey(i) ? 0 : pieceNumber_;
       }
       reportProgress(target_.progress, ++done, meshes_.partCount());
       return std::nullopt;

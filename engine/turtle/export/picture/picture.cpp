@@ -153,7 +153,9 @@ class PartsDrawing {
         }
       });
       next.sortIntoTiles();
-      report(std::min(geometry_.partCount(), number * kRoundParts));
+      if (number > 0) {
+        report(std::min(geometry_.partCount(), number * kRoundParts));
+      }
     }
   }
 

@@ -69,6 +69,7 @@ class RasterGeometry {
   std::vector<std::uint32_t> continuation_;  // the segment that goes on with a tube (segmentCount); kNoParent: none
   bool hasTubes_ = false;
   SegmentChains chains_;                              // when there are tubes
+  TubeCircle tubeCircle_;                             // the same
   std::vector<std::uint32_t> tubes_;                  // first segments of the chains that wear a texture
   std::array<std::size_t, kKindCount> firstParts_{};  // number of the first part of each kind
   // surfaces, triangle surfaces, then surfaces again with texture coordinates over the whole of each

@@ -1,7 +1,9 @@
 #include "engine/turtle/export/mesh/glb.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "engine/turtle/export/mesh/scene_meshes.h"
@@ -259,6 +261,35 @@ TEST(Glb, HasNoTrianglesWithoutArea) {
       EXPECT_GT(core::length(core::cross(at(indices[i + 1]) - a, at(indices[i + 2]) - a)), 0.0);
     }
   }
+}
+
+TEST(Glb, EachPrimitiveOfAGreatMeshRefersToItsOwnVertices) {
+  // a primitive ends behind a million vertices; a tube of 64 sides has 258 and more
+  std::string text = "!(0.1)";
+  for (int i = 0; i < 4500; ++i) {
+    text += "[+(" + std::to_string(i % 90) + ")F(2)]/(7)F";
+  }
+  files::ViewSettings view = glbView();
+  view.contourSides = 64;
+  TurtleRun run(text, view);
+  run.draw();
+  const GlbContent content(glbOf(run.scene, run.program.view));
+  const json& primitives = content.text["meshes"][0]["primitives"];
+  std::map<json, int> primitivesOf;  // by material
+  for (const json& primitive : primitives) {
+    ++primitivesOf[primitive["material"]];
+  }
+  EXPECT_TRUE(std::ranges::any_of(primitivesOf, [](const auto& entry) { return entry.second > 1; }));
+  double vertices = 0;
+  for (const json& primitive : primitives) {
+    const std::vector<double> indices = content.numbers(primitive["indices"], 1);
+    const auto count =
+        content.text["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()]["count"].get<double>();
+    EXPECT_EQ(*std::ranges::min_element(indices), 0.0);
+    EXPECT_EQ(*std::ranges::max_element(indices), count - 1.0);
+    vertices += count;
+  }
+  EXPECT_GT(vertices, 1e6);
 }
 
 TEST(Glb, OrgansOfAFrameThatIsNoRotationArePartOfTheMesh) {

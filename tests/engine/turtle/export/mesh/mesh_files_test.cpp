@@ -240,6 +240,57 @@ TEST_F(MeshFiles, UsdHasTheSameMesh) {
   expectSame(mesh, "usda");
 }
 
+// each prim of type Mesh refers to all of its own points and to no others, and says their extent
+void expectOwnPoints(const std::string& text, std::size_t leastPrims) {
+  std::size_t prims = 0;
+  for (std::size_t at = text.find("def Mesh "); at != std::string::npos; ++prims) {
+    const std::size_t next = text.find("def Mesh ", at + 1);
+    const std::string prim = text.substr(at, next == std::string::npos ? next : next - at);
+    at = next;
+    const std::vector<double> points = numbersOf(prim, "point3f[] points");
+    const std::vector<double> indices = numbersOf(prim, "int[] faceVertexIndices");
+    ASSERT_FALSE(indices.empty());
+    EXPECT_EQ(*std::ranges::min_element(indices), 0.0);
+    EXPECT_EQ(*std::ranges::max_element(indices), static_cast<double>(points.size() / 3 - 1));
+    const std::vector<double> extent = numbersOf(prim, "float3[] extent");
+    ASSERT_EQ(extent.size(), 6U);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      double low = points[axis];
+      double high = points[axis];
+      for (std::size_t i = axis; i < points.size(); i += 3) {
+        low = std::min(low, points[i]);
+        high = std::max(high, points[i]);
+      }
+      EXPECT_EQ(extent[axis], low);
+      EXPECT_EQ(extent[axis + 3], high);
+    }
+  }
+  EXPECT_GE(prims, leastPrims);
+}
+
+TEST_F(MeshFiles, UsdMeshesHaveTheirOwnPoints) {
+  // a polygon without area before another of another colour
+  TurtleRun flat("[;(3){.f(1).f(1).}]f(3)[;(4){.f(1).+(60)f(1).}][;(5)!(0.2)F(1)]", meshView());
+  // more vertices than one prim holds
+  std::string text = "!(0.1)";
+  for (int i = 0; i < 600; ++i) {
+    text += "[+(" + std::to_string(i % 90) + ")F(2)]/(7)F";
+  }
+  TurtleRun large(text, meshView());
+  large.program.view.contourSides = 64;
+  for (TurtleRun* each : {&flat, &large}) {
+    each->draw();
+    for (const unsigned threads : {1U, 2U}) {
+      core::StringSink sink;
+      const ExportInput input{.scene = each->scene, .view = each->program.view, .threads = threads};
+      EXPECT_EQ(findExportFormat("usda")->write(
+                    input, {.fileName = "plant", .sink = sink, .openCompanion = {}, .progress = {}}),
+                std::nullopt);
+      expectOwnPoints(sink.text(), 2);
+    }
+  }
+}
+
 TEST_F(MeshFiles, UsdOfAGrowingPlantShowsOneStepAtATime) {
   core::StringSink sink;
   const ExportTarget target{.fileName = "plant", .sink = sink, .openCompanion = {}, .progress = {}};

@@ -1,6 +1,7 @@
 #include "engine/turtle/export/mesh/mesh.h"
 
 #include <cmath>
+#include <limits>
 
 #include "engine/turtle/export/mesh/tubes.h"
 #include "tests/engine/turtle/turtle_fixture.h"
@@ -113,6 +114,57 @@ TEST(Mesh, APatchWhoseEdgeHasShrunkToAPointHasNormalsThere) {
   for (const core::Vec3& normal : mesh.normals) {
     EXPECT_NEAR(std::abs(normal.z), 1.0, 1e-6);
   }
+}
+
+TEST(Mesh, FacesWithoutAreaAreDroppedAtEachScale) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr std::uint32_t kNone = Mesh::kNoVertex;
+  struct Case {
+    const char* name;
+    std::vector<std::array<double, 2>> corners;
+    std::vector<std::array<std::uint32_t, 4>> kept;
+  };
+  // a triangle is flat at a height of a millionth of its longest side, two corners are one at a ten-millionth
+  const std::vector<Case> cases{
+      {"low triangle", {{0, 0}, {1, 0}, {0.5, 2e-6}}, {{0, 1, 2, kNone}}},
+      {"triangle just above the bound", {{0, 0}, {1, 0}, {0.5, 1.01e-6}}, {{0, 1, 2, kNone}}},
+      {"flat triangle", {{0, 0}, {1, 0}, {0.5, 0.99e-6}}, {}},
+      {"triangle of a point", {{1, 1}, {1, 1}, {1, 1}}, {}},
+      {"triangle with two corners at one place", {{0, 0}, {1, 0}, {1, 0}}, {}},
+      {"square", {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{0, 1, 2, 3}}},
+      {"strip", {{0, 0}, {1, 0}, {1, 2e-6}, {0, 2e-6}}, {{0, 1, 2, 3}}},
+      {"flat strip", {{0, 0}, {1, 0}, {1, 0.9e-6}, {0, 0.9e-6}}, {}},
+      {"last corner on the diagonal", {{0, 0}, {1, 0}, {1, 1}, {0.5, 0.5}}, {{0, 1, 2, kNone}}},
+      {"second corner on the diagonal", {{0, 0}, {0.5, 0.5}, {1, 1}, {0, 1}}, {{0, 2, 3, kNone}}},
+      {"last corner near the first", {{0, 0}, {1, 0}, {1, 1}, {0, 3e-6}}, {{0, 1, 2, 3}}},
+      {"last corner at the first", {{0, 0}, {1, 0}, {1, 1}, {0, 1e-7}}, {{0, 1, 2, kNone}}},
+      {"last corner is no number", {{0, 0}, {1, 0}, {1, 1}, {0, kNaN}}, {{0, 1, 2, kNone}}},
+      {"second corner is no number", {{0, 0}, {1, kNaN}, {1, 1}, {0, 1}}, {{0, 2, 3, kNone}}},
+      {"triangle with a corner that is no number", {{0, 0}, {1, 0}, {0, kNaN}}, {}},
+  };
+  for (const double scale : {1.0, 1e-60, 1e60}) {
+    for (const Case& test : cases) {
+      Mesh mesh;
+      for (const auto& [x, y] : test.corners) {
+        mesh.positions.push_back({scale * x, scale * y, 0.0});
+      }
+      mesh.faces.push_back({0, 1, 2, test.corners.size() == 4 ? 3 : kNone});
+      dropDegenerateFaces(mesh);
+      EXPECT_EQ(mesh.faces, test.kept) << test.name << ", scale " << scale;
+    }
+  }
+}
+
+TEST(Mesh, CornersAtAlmostOnePlaceComeToLieAtOne) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1e-7, 0}};
+  mesh.faces.push_back({0, 1, 2, 3});
+  dropDegenerateFaces(mesh);
+  EXPECT_EQ(mesh.positions[3], mesh.positions[0]);
+  mesh.positions[3] = {0, 3e-7, 0};
+  mesh.faces = {{0, 1, 2, 3}};
+  dropDegenerateFaces(mesh);
+  EXPECT_EQ(mesh.positions[3], (core::Vec3{0, 3e-7, 0}));
 }
 
 TEST(Mesh, PatchesOfASurfaceThatMeetShareTheirNormals) {
