@@ -17,7 +17,7 @@ namespace {
 // A signal handler sees nothing but such a table. Files beyond it are removed by their destructors only.
 constexpr std::size_t kMostFiles = 256;
 std::array<std::atomic<char*>, kMostFiles> namesOfPartialFiles;
-std::atomic<pid_t> owner{0};
+std::atomic<pid_t> owningProcess{0};
 
 static_assert(std::atomic<char*>::is_always_lock_free && std::atomic<pid_t>::is_always_lock_free);
 
@@ -43,7 +43,7 @@ void forget(std::size_t slot) {
 // calls only functions that are safe in a signal handler
 extern "C" void removeAndEnd(int signal) {
   // a child between fork and exec has the table of its parent
-  if (::getpid() == owner.load()) {
+  if (::getpid() == owningProcess.load()) {
     for (std::atomic<char*>& slot : namesOfPartialFiles) {
       if (const char* const name = slot.exchange(nullptr); name != nullptr) {
         ::unlink(name);
@@ -75,7 +75,7 @@ int PartialFile::complete(const std::string& whole) {
 }
 
 void removePartialFilesAtSignal(int signal) {
-  owner = ::getpid();
+  owningProcess = ::getpid();
   struct sigaction present {};
   if (::sigaction(signal, nullptr, &present) == 0 && present.sa_handler == SIG_IGN) {
     return;

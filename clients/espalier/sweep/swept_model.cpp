@@ -371,9 +371,9 @@ std::string ModelRunner::grow(std::uint64_t seed, std::uint64_t run, const Plant
 RunOutcome ModelRunner::run(std::span<const double> row, std::uint64_t seed, std::uint64_t run,
                             const PlantVisitor& visit) {
   const auto begin = std::chrono::steady_clock::now();
-  constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
   RunOutcome outcome;
-  outcome.values.assign(model_.measureColumns().size(), kNoValue);
+  outcome.values.assign(model_.measureColumns().size(), kNotMeasured);
   warning_.clear();
   try {
     const std::optional<std::string> mistake = prepare(row);
@@ -386,7 +386,7 @@ RunOutcome ModelRunner::run(std::span<const double> row, std::uint64_t seed, std
   if (!outcome.error.empty()) {
     // its memory may be large
     simulation_.reset();
-    outcome.values.assign(outcome.values.size(), kNoValue);
+    outcome.values.assign(outcome.values.size(), kNotMeasured);
   }
   outcome.warning = std::move(warning_);
   outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
