@@ -72,10 +72,15 @@ void GlbPlan::sortParts() {
       (isInstance ? organs : own).push_back({s, i});
     }
   }
-  std::ranges::stable_sort(own, {}, [this](const PartOf& p) {
-    return isRepeated(p.scene) ? std::tuple(p.scene, 0U, MaterialUse::Bark, partOf(p).material)
-                               : std::tuple(p.scene, partOf(p).plant, useOf(p), partOf(p).material);
-  });
+  const auto order = [this](const PartOf& p) {
+    const MeshPart& part = partOf(p);
+    return isRepeated(p.scene) ? std::tuple(p.scene, 0U, MaterialUse::Bark, part.material)
+                               : std::tuple(p.scene, part.plant, materialUseOf(part.kind), part.material);
+  };
+  // parts of one plant and material, as a bare tree, are in order already
+  if (!std::ranges::is_sorted(own, {}, order)) {
+    std::ranges::stable_sort(own, {}, order);
+  }
 }
 
 // whether two neighbours in the order are in one mesh of the file
