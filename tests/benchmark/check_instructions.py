@@ -1,7 +1,7 @@
 """Counts the instructions of fixed work and compares them with recorded counts.
 
-Runs the program espalier_instructions under callgrind (valgrind), which counts only inside its functions `measured…`, and the
-command line deriving one small model from start to end. Only instructions of our own program files are added up, not those
+Runs the program espalier_instructions under callgrind (valgrind), which counts only inside its functions `measured…`, and
+whole commands from start to end, with environment, interpretation and writing. Only instructions of our own program files are added up, not those
 of the C library, whose functions are chosen by the processor. Time does not matter here, so a busy machine changes nothing.
 """
 
@@ -16,7 +16,17 @@ import tempfile
 MORE_ALLOWED = 0.05  # a count may be this much above the recorded one
 LESS_REPORTED = 0.10  # one this much below asks for the record to be renewed; it does not fail
 MEASURED = "espalier::benchmarking::measured(espalier::simulation::Simulation&, espalier::benchmarking::Measured)"
-START_UP = "start-up/derive"
+# whole commands, by one thread; {models}: of the benchmarks, {gallery}: the gallery
+COMMANDS = {
+    "start-up/derive": ("derive", "{models}/d0l.l", "--define", "N=3"),
+    "whole/trees-by-account": ("derive", "{gallery}/trees-by-account", "--steps", "100"),
+    "whole/self-organizing-tree": ("run", "{gallery}/self-organizing-tree", "--steps", "8", "-o", "plant.csv"),
+    "whole/roots-in-soil": ("run", "{gallery}/roots-in-soil", "--steps", "3", "-o", "plant.csv"),
+    "whole/crowded-bush.obj": ("run", "{gallery}/crowded-bush", "-o", "plant.obj"),
+    "whole/accounts.glb": ("run", "{models}/accounts.l", "--define", "N=9", "--define", "K=9", "-o", "plant.glb"),
+    "whole/twigs.glb": ("run", "{models}/twigs.l", "--define", "N=9", "-o", "plant.glb"),
+    "whole/twigs.png": ("run", "{models}/twigs.l", "--define", "N=7", "-o", "plant.png"),
+}
 RENEW = "./dev bench --record-instructions"
 
 
@@ -56,7 +66,7 @@ def callgrind(folder: str, command: list[str], *options: str) -> str:
     return run.stdout
 
 
-def count_all(program: str, espalier: str, model: str) -> tuple[str, dict[str, int]]:
+def count_all(program: str, espalier: str, models: str, gallery: str) -> tuple[str, dict[str, int]]:
     """The compiler, and the counts by workload."""
     counts: dict[str, int] = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -64,9 +74,11 @@ def count_all(program: str, espalier: str, model: str) -> tuple[str, dict[str, i
         compiler, *workloads = printed.splitlines()
         for number, workload in enumerate(workloads, start=1):
             counts[workload] = own_instructions(os.path.join(folder, f"profile.{number}"), program)
-    with tempfile.TemporaryDirectory() as folder:
-        callgrind(folder, [espalier, "derive", model, "--define", "N=3", "--quiet"])
-        counts[START_UP] = own_instructions(os.path.join(folder, "profile"), espalier)
+    for name, arguments in COMMANDS.items():
+        command = [argument.format(models=models, gallery=gallery) for argument in arguments]
+        with tempfile.TemporaryDirectory() as folder:
+            callgrind(folder, [espalier, *command, "--threads", "1", "--quiet"])
+            counts[name] = own_instructions(os.path.join(folder, "profile"), espalier)
     return compiler, counts
 
 
@@ -104,14 +116,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", required=True, help="espalier_instructions")
     parser.add_argument("--espalier", required=True, help="the command line")
-    parser.add_argument("--model", required=True, help="the small model whose whole run is counted")
+    parser.add_argument("--models", required=True, help="folder of the benchmarks' models")
+    parser.add_argument("--gallery", required=True, help="folder of the gallery")
     parser.add_argument("--recorded", required=True, help="JSON file with the recorded counts")
     parser.add_argument("--record", action="store_true", help="write the counts instead of comparing")
     parser.add_argument("--figures", help="file that receives how many workloads passed and failed")
     options = parser.parse_args()
 
-    compiler, counts = count_all(os.path.realpath(options.program), os.path.realpath(options.espalier),
-                                 os.path.realpath(options.model))
+    compiler, counts = count_all(*map(os.path.realpath, (options.program, options.espalier, options.models, options.gallery)))
     key = f"{compiler}, {vector_path()}"
     recorded: dict[str, dict[str, int]] = {}
     if os.path.exists(options.recorded):
@@ -131,7 +143,7 @@ def main() -> int:
 
     if key not in recorded:
         # another compiler makes other instructions
-        print(f"no instruction counts are recorded for {key}; nothing to compare with. To record them: {RENEW}")
+        print(f"no instruction counts are recorded for {key}; nothing to compare with. To record them: {RENEW} BUILD")
         passed, failed = 0, 0
     else:
         passed, failed = compare(counts, recorded[key])
