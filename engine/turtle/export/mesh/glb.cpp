@@ -396,7 +396,13 @@ std::optional<std::string> GlbWriter::writePieces() {
   std::string indices;          // of the parts of that piece so far
   MeshWork work;
   work.make = [&](std::size_t i, Mesh& mesh) -> std::optional<std::string> {
-    plan_.sceneOf(plan_.own[order[i]]).make(plan_.partOf(plan_.own[order[i]]), mesh);
+    const PartOf& part = plan_.own[order[i]];
+    const SceneMeshes& scene = plan_.sceneOf(part);
+    if (plan_.isNearlyFlat[order[i]] != 0) {
+      scene.make(plan_.partOf(part), mesh);
+    } else {
+      scene.makeWithAllFaces(plan_.partOf(part), mesh);
+    }
     return std::nullopt;
   };
   // vertices, then indices

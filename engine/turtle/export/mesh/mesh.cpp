@@ -227,12 +227,14 @@ void joinCorners(Mesh& mesh, std::span<const std::uint32_t> corners) {
 
 }  // namespace
 
-void dropDegenerateFaces(Mesh& mesh) {
+bool dropDegenerateFaces(Mesh& mesh) {
+  bool isNearlyFlat = false;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
     if (isFarFromFlat(mesh, mesh.faces[i])) {
       mesh.faces[kept] = mesh.faces[i];
     } else {
+      isNearlyFlat = true;
       const auto [a, b, c, d] = mesh.faces[i];
       joinCorners(mesh, std::span(mesh.faces[i]).first(d == Mesh::kNoVertex ? 3 : 4));
       const bool isFirst = hasArea(mesh, a, b, c);
@@ -253,6 +255,7 @@ void dropDegenerateFaces(Mesh& mesh) {
   if (!mesh.faceSegments.empty()) {
     mesh.faceSegments.resize(kept);
   }
+  return isNearlyFlat;
 }
 
 void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement) {

@@ -39,8 +39,8 @@ struct OrganPlacement {
 void append(Mesh& mesh, const Mesh& other);
 
 /// Removes the triangles without area in single precision, as files hold it; a quad with one becomes a triangle. The
-/// vertices stay. O(faces).
-void dropDegenerateFaces(Mesh& mesh);
+/// vertices stay. False: all faces are far from that, and the mesh is as it was. O(faces).
+bool dropDegenerateFaces(Mesh& mesh);
 
 /// Appends a mesh where an organ is. A mirrored placement turns its faces round, as glTF's nodes do.
 void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement);

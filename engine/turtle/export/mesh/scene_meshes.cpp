@@ -187,12 +187,14 @@ OrganPlacement SceneMeshes::placementOf(const MeshPart& part) const {
           {ball.diameter, ball.diameter, ball.diameter}};
 }
 
-void SceneMeshes::make(const MeshPart& part, Mesh& mesh) const {
+bool SceneMeshes::make(const MeshPart& part, Mesh& mesh) const {
+  makeWithAllFaces(part, mesh);
+  return !keepsDegenerate_ && dropDegenerateFaces(mesh);
+}
+
+void SceneMeshes::makeWithAllFaces(const MeshPart& part, Mesh& mesh) const {
   mesh.clear();
   fill(part, mesh);
-  if (!keepsDegenerate_) {
-    dropDegenerateFaces(mesh);
-  }
 }
 
 void SceneMeshes::fill(const MeshPart& part, Mesh& mesh) const {
