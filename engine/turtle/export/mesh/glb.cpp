@@ -363,10 +363,11 @@ void GlbWriter::writeVertices(const Mesh& mesh, bool hasCoordinates, BinaryOutpu
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     const Vec3& p = mesh.positions[i];
     const Vec3 n = unitNormal(mesh.normals[i]);
-    out.singles(std::array{p.x, p.y, p.z, n.x, n.y, n.z});
     if (hasCoordinates) {
-      // glTF has v downward
-      out.singles(std::array{mesh.coordinates[i][0], 1.0 - mesh.coordinates[i][1]});
+      const auto [u, v] = mesh.coordinates[i];
+      out.singles(std::array{p.x, p.y, p.z, n.x, n.y, n.z, u, 1.0 - v});  // glTF has v downward
+    } else {
+      out.singles(std::array{p.x, p.y, p.z, n.x, n.y, n.z});
     }
   }
 }
@@ -397,12 +398,7 @@ std::optional<std::string> GlbWriter::writePieces() {
   MeshWork work;
   work.make = [&](std::size_t i, Mesh& mesh) -> std::optional<std::string> {
     const PartOf& part = plan_.own[order[i]];
-    const SceneMeshes& scene = plan_.sceneOf(part);
-    if (plan_.isNearlyFlat[order[i]] != 0) {
-      scene.make(plan_.partOf(part), mesh);
-    } else {
-      scene.makeWithAllFaces(plan_.partOf(part), mesh);
-    }
+    plan_.sceneOf(part).make(plan_.partOf(part), mesh);
     return std::nullopt;
   };
   // vertices, then indices

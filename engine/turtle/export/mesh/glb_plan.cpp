@@ -91,10 +91,9 @@ bool GlbPlan::sharesMesh(const PartOf& a, const PartOf& b) const {
 std::optional<std::string> GlbPlan::measurePieces(const std::function<void(std::size_t)>& report) {
   std::vector<MeshMeasure> measures(own.size());
   firstVertices.resize(own.size());
-  isNearlyFlat.resize(own.size());
   MeshWork work;
   work.make = [&](std::size_t i, Mesh& mesh) {
-    isNearlyFlat[i] = sceneOf(own[i]).make(partOf(own[i]), mesh) ? 1 : 0;
+    sceneOf(own[i]).make(partOf(own[i]), mesh);
     measures[i].add(mesh);
     return problemOf(mesh, sceneOf(own[i]), partOf(own[i]));
   };

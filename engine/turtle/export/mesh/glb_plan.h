@@ -132,7 +132,6 @@ struct GlbPlan {
   bool usesInstancing;
   std::vector<PartOf> own;                   // parts with vertices of their own, by scene, plant, use and material
   std::vector<std::uint32_t> firstVertices;  // of own parts: number of the first vertex in its piece
-  std::vector<std::uint8_t> isNearlyFlat;    // of own parts: whether faces without area must be looked for again
   std::vector<PartOf> organs;                // with instancing: parts that are instances of shapes, by scene and plant
   std::vector<Piece> pieces;                 // own ones, then the shared shapes in use
   std::size_t ownPieceCount = 0;

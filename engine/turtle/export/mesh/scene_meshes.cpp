@@ -56,6 +56,7 @@ SceneMeshes::SceneMeshes(const ExportInput& input, MaterialTable& materials, boo
       circle_(tubeCircle(sides_)),
       keepsDegenerate_(keepsDegenerate) {
   collectParts(materials);
+  hasPlainFaces_ = std::make_unique<std::atomic<bool>[]>(parts_.size());
   makeSharedMeshes();
 }
 
@@ -187,14 +188,13 @@ OrganPlacement SceneMeshes::placementOf(const MeshPart& part) const {
           {ball.diameter, ball.diameter, ball.diameter}};
 }
 
-bool SceneMeshes::make(const MeshPart& part, Mesh& mesh) const {
-  makeWithAllFaces(part, mesh);
-  return !keepsDegenerate_ && dropDegenerateFaces(mesh);
-}
-
-void SceneMeshes::makeWithAllFaces(const MeshPart& part, Mesh& mesh) const {
+void SceneMeshes::make(const MeshPart& part, Mesh& mesh) const {
   mesh.clear();
   fill(part, mesh);
+  std::atomic<bool>& hasPlainFaces = hasPlainFaces_[static_cast<std::size_t>(&part - parts_.data())];
+  if (!keepsDegenerate_ && !hasPlainFaces.load(std::memory_order_relaxed)) {
+    hasPlainFaces.store(!dropDegenerateFaces(mesh), std::memory_order_relaxed);
+  }
 }
 
 void SceneMeshes::fill(const MeshPart& part, Mesh& mesh) const {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -58,10 +60,8 @@ class SceneMeshes {
   [[nodiscard]] std::span<const MeshPart> parts() const { return parts_; }
   [[nodiscard]] const ExportInput& input() const { return input_; }
 
-  /// Fills `mesh`, which is cleared first, with a part in world coordinates. False: no face was near to having no area;
-  /// then makeWithAllFaces gives the same mesh in less time. Thread-safe.
-  bool make(const MeshPart& part, Mesh& mesh) const;
-  void makeWithAllFaces(const MeshPart& part, Mesh& mesh) const;
+  /// Fills `mesh`, which is cleared first, with one of parts() in world coordinates. Thread-safe.
+  void make(const MeshPart& part, Mesh& mesh) const;
 
   /// Meshes that several organs share: surfaces and triangle surfaces of the view file, the sphere, the disc.
   [[nodiscard]] std::span<const Mesh> sharedMeshes() const { return shared_; }
@@ -88,6 +88,8 @@ class SceneMeshes {
   Palette palette_;
   SegmentChains chains_;
   std::vector<MeshPart> parts_;
+  // by part: none of its faces was near to having no area, so that they need not be looked at when it is made again
+  std::unique_ptr<std::atomic<bool>[]> hasPlainFaces_;
   // surfaces, triangle surfaces, sphere, disc, then surfaces again with texture coordinates over the whole of each
   std::vector<Mesh> shared_;
   LineLook look_;

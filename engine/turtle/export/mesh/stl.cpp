@@ -16,15 +16,13 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 80;
 
-// calls `use` with the corners and the side's normal of each triangle that has an area
+// calls `use` with the corners and the side's normal of each triangle
 template <typename Use>
 void forEachTriangle(const Mesh& mesh, Use use) {
   const auto triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const std::array<Vec3, 3> corners{mesh.positions[a], mesh.positions[b], mesh.positions[c]};
     const Vec3 normal = core::cross(corners[1] - corners[0], corners[2] - corners[0]);
-    if (core::length(normal) > 0.0) {
-      use(corners, core::normalised(normal));
-    }
+    use(corners, core::normalised(normal));
   };
   for (const auto& face : mesh.faces) {
     triangle(face[0], face[1], face[2]);
@@ -43,7 +41,7 @@ std::optional<std::string> exportStl(const PlacedScenes& placed, const ExportTar
   std::uint64_t triangles = 0;
   using Item = PlacedMeshes::Item;
   if (auto problem = meshes.forEach([&](const Item&, const Mesh& mesh) -> std::optional<std::string> {
-        forEachTriangle(mesh, [&triangles](const auto&, const Vec3&) { ++triangles; });
+        triangles += mesh.triangleCount();
         report();
         return std::nullopt;
       })) {
@@ -62,10 +60,8 @@ std::optional<std::string> exportStl(const PlacedScenes& placed, const ExportTar
   spelling.spell = [](const Item&, const Mesh& mesh, std::uint64_t, std::string& bytes) {
     BinaryOutput spelled(bytes);
     forEachTriangle(mesh, [&spelled](const std::array<Vec3, 3>& corners, const Vec3& normal) {
-      spelled.vector(normal);
-      for (const Vec3& corner : corners) {
-        spelled.vector(corner);
-      }
+      const auto& [a, b, c] = corners;
+      spelled.singles(std::array{normal.x, normal.y, normal.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z});
       spelled.uint16(0);
     });
   };

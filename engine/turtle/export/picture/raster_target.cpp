@@ -119,14 +119,20 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
   const auto& v = triangle.corners;
   const Plane nearness = planeThrough(corners, static_cast<double>(v[0].nearness), static_cast<double>(v[1].nearness),
                                       static_cast<double>(v[2].nearness));
+  // most triangles of a large plant are hidden or have one colour: planes of colours are made for the first sample that
+  // needs them
   std::array<Plane, 3> channels;
-  bool isPlain = true;
-  for (std::size_t k = 0; k < 3; ++k) {
-    channels[k] = planeThrough(corners, static_cast<double>(v[0].colour[k]), static_cast<double>(v[1].colour[k]),
-                               static_cast<double>(v[2].colour[k]));
-    isPlain = isPlain && channels[k].low == channels[k].high;
-  }
+  bool hasChannels = false;
+  const auto makeChannels = [&] {
+    for (std::size_t k = 0; k < 3 && !hasChannels; ++k) {
+      channels[k] = planeThrough(corners, static_cast<double>(v[0].colour[k]), static_cast<double>(v[1].colour[k]),
+                                 static_cast<double>(v[2].colour[k]));
+    }
+    hasChannels = true;
+  };
+  bool isPlain = v[0].colour == v[1].colour && v[1].colour == v[2].colour;
   const auto colourAt = [&](double x, double y) {
+    makeChannels();
     std::uint32_t colour = 0xFF000000U;
     for (std::size_t k = 0; k < 3; ++k) {
       const Plane& c = channels[k];
@@ -165,6 +171,7 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
     if (worn[3] < 0.5F) {
       return 0;
     }
+    makeChannels();
     std::uint32_t colour = 0xFF000000U;
     for (std::size_t k = 0; k < 3; ++k) {
       const double below = std::clamp(value(channels[k]), channels[k].low, channels[k].high);
@@ -173,7 +180,11 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
     }
     return colour;
   };
-  const std::uint32_t plainColour = colourAt(corners.x[0], corners.y[0]);
+  std::uint32_t plainColour = 0xFF000000U;
+  for (std::size_t k = 0; k < 3; ++k) {
+    plainColour |= static_cast<std::uint32_t>(static_cast<double>(v[0].colour[k]) + 0.5)
+                   << (8U * static_cast<unsigned>(k));
+  }
   const std::uint32_t pattern = mixedBits(triangle.organ) & 15U;
   const double coverage = static_cast<double>(triangle.opacity) * 16.0;
   const auto isCovered = [&](int x, int y) {
