@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <span>
@@ -174,10 +173,7 @@ bool hasArea(const Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c
   const Vec3 v = mesh.positions[c] - mesh.positions[a];
   const Vec3 w = v - u;
   const double longest = std::max({core::dot(u, u), core::dot(v, v), core::dot(w, w)});
-  const Vec3 normal = core::cross(u, v);
-  // most triangles are far from flat: no root
-  return core::dot(normal, normal) > 4.0 * kFlatTriangle * kFlatTriangle * longest * longest ||
-         core::length(normal) > kFlatTriangle * longest;
+  return core::length(core::cross(u, v)) > kFlatTriangle * longest;
 }
 
 // Whether sides and areas of a face are far from the bounds: then neither joinCorners nor hasArea would change it. True
@@ -194,7 +190,7 @@ bool isFarFromFlat(const Mesh& mesh, const std::array<std::uint32_t, 4>& face) {
   const std::array squares{core::dot(ab, ab), core::dot(bc, bc), core::dot(cd, cd), core::dot(ad, ad)};
   const double longest = std::max(core::dot(ac, ac), std::ranges::max(squares));
   const double leastSquare = kMargin * kSamePlace * kSamePlace * longest;
-  const double leastArea = kMargin * 4.0 * kFlatTriangle * kFlatTriangle * longest * longest;
+  const double leastArea = kMargin * kFlatTriangle * kFlatTriangle * longest * longest;
   const Vec3 first = core::cross(ab, ac);
   const Vec3 second = isQuad ? core::cross(ac, ad) : first;
   return squares[0] > leastSquare && squares[1] > leastSquare && squares[2] > leastSquare && squares[3] > leastSquare &&
@@ -204,17 +200,9 @@ bool isFarFromFlat(const Mesh& mesh, const std::array<std::uint32_t, 4>& face) {
 // corners at almost one place come to lie at exactly one, so that no gap opens where a face is left out
 void joinCorners(Mesh& mesh, std::span<const std::uint32_t> corners) {
   double longest = 0.0;
-  double shortest = std::numeric_limits<double>::infinity();
-  std::uint32_t before = corners.back();
-  for (const std::uint32_t corner : corners) {
-    const Vec3 side = mesh.positions[corner] - mesh.positions[before];
-    const double square = core::dot(side, side);
-    longest = std::max(longest, square);
-    shortest = std::min(shortest, square);
-    before = corner;
-  }
-  if (shortest > kSamePlace * kSamePlace * longest) {
-    return;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3 side = mesh.positions[corners[(i + 1) % corners.size()]] - mesh.positions[corners[i]];
+    longest = std::max(longest, core::dot(side, side));
   }
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const auto [first, second] = std::minmax(corners[i], corners[(i + 1) % corners.size()]);
