@@ -189,14 +189,29 @@ tcp::socket connectTo(asio::io_context& context, const tcp::endpoint& endpoint) 
   return socket;
 }
 
-void stepRoundTrip(benchmark::State& state, Placement placement) {
-  const cpu_set_t answering = coresFor(placement, false);
-  const cpu_set_t asking = coresFor(placement, true);
-  std::optional<OnCores> cores(answering);
-  const Serving serving;
-  asio::io_context context;
-  const auto port = static_cast<std::uint16_t>(std::stoi(serving.address.substr(serving.address.rfind(':') + 1)));
-  tcp::socket socket = connectTo(context, {asio::ip::make_address("127.0.0.1"), port});
+/// Round trips of a small plant on a new server, and of requests that its network's thread answers by itself.
+struct ServerTrips {
+  RoundTrips step;
+  RoundTrips ping;
+};
+
+/// So many of each kind of round trip.
+struct TripCounts {
+  std::size_t warming = 0;
+  std::size_t measured = 0;
+};
+
+RoundTrips measureWarm(tcp::socket& socket, const std::string& line, const TripCounts& counts) {
+  (void)measure(socket, line, counts.warming);
+  return measure(socket, line, counts.measured);
+}
+
+std::string stepOf(const std::string& simulation) {
+  return R"({"jsonrpc":"2.0","id":3,"method":"simulation.step","params":{"simulation":")" + simulation + "\"}}\n";
+}
+
+/// Creates the small plant and returns its name.
+std::string createSmallPlant(tcp::socket& socket) {
   (void)askOnce(socket, R"({"jsonrpc":"2.0","id":1,"method":"hello","params":{"protocol":[1]}})"
                         "\n");
   protocol::JsonWriter source;
@@ -207,38 +222,67 @@ void stepRoundTrip(benchmark::State& state, Placement placement) {
                           source.view() + "}}}\n");
   const std::size_t at = created.find("sim-");
   if (at == std::string::npos) {
-    state.SkipWithError(created.c_str());
-    return;
+    throw std::runtime_error(created);
   }
-  const std::string line = R"({"jsonrpc":"2.0","id":3,"method":"simulation.step","params":{"simulation":")" +
-                           created.substr(at, created.find('"', at) - at) + "\"}}\n";
+  return created.substr(at, created.find('"', at) - at);
+}
+
+ServerTrips tripsOfServer(Placement placement, const TripCounts& counts) {
+  std::optional<OnCores> cores(coresFor(placement, false));
+  const Serving serving;
   cores.reset();
-  // in turn, so that both meet the same machine
-  constexpr int kRounds = 20;
-  constexpr std::size_t kCount = 200;
+  cores.emplace(coresFor(placement, true));
+  asio::io_context context;
+  const auto port = static_cast<std::uint16_t>(std::stoi(serving.address.substr(serving.address.rfind(':') + 1)));
+  tcp::socket socket = connectTo(context, {asio::ip::make_address("127.0.0.1"), port});
+  const std::string step = stepOf(createSmallPlant(socket));
+  ServerTrips trips;
+  trips.step = measureWarm(socket, step, counts);
+  trips.ping = measureWarm(socket, R"({"jsonrpc":"2.0","id":3,"method":"ping","params":{}})"
+                                   "\n",
+                           counts);
+  return trips;
+}
+
+RoundTrips tripsOfEcho(Placement placement, std::size_t answerBytes, const TripCounts& counts) {
+  std::optional<OnCores> cores(coresFor(placement, false));
+  const Echo echo(answerBytes);
+  cores.reset();
+  cores.emplace(coresFor(placement, true));
+  asio::io_context context;
+  tcp::socket socket = connectTo(context, echo.endpoint());
+  const RoundTrips trips = measureWarm(socket, stepOf("sim-0000000000000000"), counts);
+  socket.close();
+  return trips;
+}
+
+/// Server and echo in turn, so that both meet the same machine; each a new process and alone while it is measured. With
+/// both alive, the one that rests while the other is measured is placed otherwise than it would be by itself.
+void stepRoundTrip(benchmark::State& state, Placement placement) {
+  constexpr int kRounds = 10;
+  constexpr TripCounts kCounts{200, 1000};
+  std::vector<double> step;
+  std::vector<double> ping;
+  std::vector<double> bare;
+  const auto append = [](std::vector<double>& all, const RoundTrips& trips) {
+    all.insert(all.end(), trips.microseconds.begin(), trips.microseconds.end());
+  };
   for (auto _ : state) {
-    cores.emplace(answering);
-    const Echo echo(measure(socket, line, 1).answerBytes);
-    cores.reset();
-    cores.emplace(asking);
-    tcp::socket other = connectTo(context, echo.endpoint());
-    (void)measure(socket, line, kCount);
-    (void)measure(other, line, kCount);
-    std::vector<double> step;
-    std::vector<double> bare;
+    step.clear();
+    ping.clear();
+    bare.clear();
     for (int round = 0; round < kRounds; ++round) {
-      for (auto [peer, times] : {std::pair(&socket, &step), std::pair(&other, &bare)}) {
-        const RoundTrips trips = measure(*peer, line, kCount);
-        times->insert(times->end(), trips.microseconds.begin(), trips.microseconds.end());
-      }
+      const ServerTrips trips = tripsOfServer(placement, kCounts);
+      append(step, trips.step);
+      append(ping, trips.ping);
+      append(bare, tripsOfEcho(placement, trips.step.answerBytes, kCounts));
     }
-    other.close();
-    cores.reset();
     const Latency server = latencyOf(step);
     const Latency asio = latencyOf(bare);
     state.SetIterationTime(server.median * 1e-6);
     state.counters["step median us"] = server.median;
     state.counters["step p99 us"] = server.high;
+    state.counters["ping median us"] = latencyOf(ping).median;
     state.counters["echo median us"] = asio.median;
     state.counters["echo p99 us"] = asio.high;
   }
