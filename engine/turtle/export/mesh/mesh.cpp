@@ -55,11 +55,13 @@ bool isVanishing(const Vec3& normal, const std::array<Vec3, 16>& points) {
 
 // the quads of a grid of (rows + 1) by (columns + 1) vertices that begins at `first`
 void appendGridFaces(Mesh& mesh, std::uint32_t first, std::uint32_t rows, std::uint32_t columns) {
+  std::size_t face = mesh.faces.size();
+  mesh.faces.resize(face + std::size_t{rows} * columns);
   for (std::uint32_t row = 0; row < rows; ++row) {
     for (std::uint32_t column = 0; column < columns; ++column) {
       const std::uint32_t a = first + row * (columns + 1) + column;
       const std::uint32_t b = a + columns + 1;
-      mesh.faces.push_back({a, a + 1, b + 1, b});
+      mesh.faces[face++] = {a, a + 1, b + 1, b};
     }
   }
 }
@@ -119,7 +121,6 @@ void Mesh::clear() {
   coordinates.clear();
   faces.clear();
   vertexSegments.clear();
-  faceSegments.clear();
 }
 
 std::size_t Mesh::triangleCount() const {
@@ -176,8 +177,9 @@ bool hasArea(const Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c
   return core::length(core::cross(u, v)) > kFlatTriangle * longest;
 }
 
-// Whether sides and areas of a face are far from the bounds: then neither joinCorners nor hasArea would change it. True
-// of nearly all faces, and quicker than both. Each product is compared by itself, so that a NaN fails.
+// Whether the areas of a face's triangles are far from the bound: then neither joinCorners nor hasArea would change the
+// face. The sum is at least the square of the longest side or diagonal. The area is at most a side times the longest,
+// so that no side is short either. True of nearly all faces, and quicker than both. A NaN fails.
 bool isFarFromFlat(const Mesh& mesh, const std::array<std::uint32_t, 4>& face) {
   constexpr double kMargin = 4.0;
   const bool isQuad = face[3] != Mesh::kNoVertex;
@@ -185,16 +187,11 @@ bool isFarFromFlat(const Mesh& mesh, const std::array<std::uint32_t, 4>& face) {
   const Vec3 ab = mesh.positions[face[1]] - a;
   const Vec3 ac = mesh.positions[face[2]] - a;
   const Vec3 ad = isQuad ? mesh.positions[face[3]] - a : ac;
-  const Vec3 bc = ac - ab;
-  const Vec3 cd = isQuad ? ad - ac : bc;
-  const std::array squares{core::dot(ab, ab), core::dot(bc, bc), core::dot(cd, cd), core::dot(ad, ad)};
-  const double longest = std::max(core::dot(ac, ac), std::ranges::max(squares));
-  const double leastSquare = kMargin * kSamePlace * kSamePlace * longest;
-  const double leastArea = kMargin * kFlatTriangle * kFlatTriangle * longest * longest;
+  const double longest = 2.0 * (core::dot(ab, ab) + core::dot(ac, ac) + core::dot(ad, ad));
+  const double least = kMargin * kFlatTriangle * kFlatTriangle * longest * longest;
   const Vec3 first = core::cross(ab, ac);
   const Vec3 second = isQuad ? core::cross(ac, ad) : first;
-  return squares[0] > leastSquare && squares[1] > leastSquare && squares[2] > leastSquare && squares[3] > leastSquare &&
-         core::dot(first, first) > leastArea && core::dot(second, second) > leastArea;
+  return core::dot(first, first) > least && core::dot(second, second) > least;
 }
 
 // corners at almost one place come to lie at exactly one, so that no gap opens where a face is left out
@@ -216,34 +213,28 @@ void joinCorners(Mesh& mesh, std::span<const std::uint32_t> corners) {
 }  // namespace
 
 bool dropDegenerateFaces(Mesh& mesh) {
-  bool isNearlyFlat = false;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    if (isFarFromFlat(mesh, mesh.faces[i])) {
-      mesh.faces[kept] = mesh.faces[i];
-    } else {
-      isNearlyFlat = true;
-      const auto [a, b, c, d] = mesh.faces[i];
-      joinCorners(mesh, std::span(mesh.faces[i]).first(d == Mesh::kNoVertex ? 3 : 4));
-      const bool isFirst = hasArea(mesh, a, b, c);
-      const bool isSecond = d != Mesh::kNoVertex && hasArea(mesh, a, c, d);
-      if (!isFirst && !isSecond) {
-        continue;
-      }
-      mesh.faces[kept] = isFirst == isSecond ? mesh.faces[i]
-                         : isFirst           ? std::array{a, b, c, Mesh::kNoVertex}
-                                             : std::array{a, c, d, Mesh::kNoVertex};
-    }
-    if (!mesh.faceSegments.empty()) {
-      mesh.faceSegments[kept] = mesh.faceSegments[i];
-    }
-    ++kept;
+  const auto isFar = [&mesh](const auto& face) { return isFarFromFlat(mesh, face); };
+  auto kept = std::ranges::find_if_not(mesh.faces, isFar);
+  if (kept == mesh.faces.end()) {
+    return false;
   }
-  mesh.faces.resize(kept);
-  if (!mesh.faceSegments.empty()) {
-    mesh.faceSegments.resize(kept);
+  for (auto face = kept; face != mesh.faces.end(); ++face) {
+    if (isFar(*face)) {
+      *kept++ = *face;
+      continue;
+    }
+    const auto [a, b, c, d] = *face;
+    joinCorners(mesh, std::span(*face).first(d == Mesh::kNoVertex ? 3 : 4));
+    const bool isFirst = hasArea(mesh, a, b, c);
+    const bool isSecond = d != Mesh::kNoVertex && hasArea(mesh, a, c, d);
+    if (isFirst || isSecond) {
+      *kept++ = isFirst == isSecond ? std::array{a, b, c, d}
+                : isFirst           ? std::array{a, b, c, Mesh::kNoVertex}
+                                    : std::array{a, c, d, Mesh::kNoVertex};
+    }
   }
-  return isNearlyFlat;
+  mesh.faces.erase(kept, mesh.faces.end());
+  return true;
 }
 
 void appendPlaced(Mesh& mesh, const Mesh& local, const OrganPlacement& placement) {
@@ -386,11 +377,13 @@ void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, const TubeCircle
   const auto columns = static_cast<std::uint32_t>(circle.size() - 1);
   std::size_t vertex = first;
   appendVertices(mesh, rings.size() * circle.size() + 2 * std::size_t{columns});
+  mesh.vertexSegments.resize(mesh.positions.size());
   const auto set = [&](const TubeRing& ring, std::uint32_t corner, const Vec3& unitNormal, double u, double v) {
     const auto [c, s] = circle[corner];
     mesh.positions[vertex] = ring.centre + (c * ring.up + s * ring.side);
     mesh.normals[vertex] = unitNormal;
     mesh.coordinates[vertex] = {u, v};
+    mesh.vertexSegments[vertex] = ring.segment;
     ++vertex;
   };
   for (const TubeRing& ring : rings) {
@@ -400,12 +393,8 @@ void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, const TubeCircle
       set(ring, k, unitOrUp(c * ring.normalUp + s * ring.normalSide + tilt), static_cast<double>(k) / columns,
           ratio > 0.0 ? ring.turns / ratio : ring.along);
     }
-    mesh.vertexSegments.insert(mesh.vertexSegments.end(), columns + 1, ring.segment);
   }
   appendGridFaces(mesh, first, static_cast<std::uint32_t>(rings.size() - 1), columns);
-  for (std::size_t i = 1; i < rings.size(); ++i) {
-    mesh.faceSegments.insert(mesh.faceSegments.end(), columns, rings[i].segment);
-  }
   // flat ends, with vertices of their own for their normals
   for (const bool isEnd : {false, true}) {
     const TubeRing& ring = isEnd ? rings.back() : rings.front();
@@ -419,8 +408,6 @@ void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, const TubeCircle
       mesh.faces.push_back(isEnd ? std::array{rim, rim + k, rim + k + 1, Mesh::kNoVertex}
                                  : std::array{rim, rim + k + 1, rim + k, Mesh::kNoVertex});
     }
-    mesh.vertexSegments.insert(mesh.vertexSegments.end(), columns, ring.segment);
-    mesh.faceSegments.insert(mesh.faceSegments.end(), columns - 2, ring.segment);
   }
 }
 

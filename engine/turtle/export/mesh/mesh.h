@@ -19,9 +19,9 @@ struct Mesh {
   std::vector<core::Vec3> normals;                  // (vertexCount), unit
   std::vector<std::array<double, 2>> coordinates;   // (vertexCount)
   std::vector<std::array<std::uint32_t, 4>> faces;  // a triangle's fourth is kNoVertex
-  // of tubes: the segment that a vertex and a face belong to, indices into Scene::segments (vertexCount, faceCount);
-  // empty for other meshes
-  std::vector<std::uint32_t> vertexSegments, faceSegments;
+  // of tubes: the segment that each vertex belongs to, an index into Scene::segments (vertexCount). A face belongs to
+  // that of its third corner. Empty for other meshes
+  std::vector<std::uint32_t> vertexSegments;
 
   void clear();
   [[nodiscard]] std::size_t triangleCount() const;

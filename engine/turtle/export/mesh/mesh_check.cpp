@@ -39,9 +39,8 @@ std::optional<std::string> problemOf(const Mesh& mesh, const SceneMeshes& scene,
     return std::nullopt;
   }
   const ExportInput& input = scene.input();
-  const auto vertex = static_cast<std::size_t>(wrong - mesh.positions.begin());
   const Provenance provenance =
-      mesh.vertexSegments.empty() ? scene.provenanceOf(part) : scene.provenanceOfSegment(mesh.vertexSegments[vertex]);
+      scene.provenanceOf(part, mesh, static_cast<std::size_t>(wrong - mesh.positions.begin()));
   std::string place = "plant " + std::to_string(provenance.plant) + ", module " + std::to_string(provenance.module);
   if (input.step) {
     place.insert(0, "step " + std::to_string(*input.step) + ", ");

@@ -39,17 +39,11 @@ std::string headerOf(const ExportInput& input, std::uint64_t vertices, std::uint
          "\nproperty list uchar uint vertex_indices\nproperty uint module\nend_header\n";
 }
 
-// a branch has one for each segment, other parts have one
-Provenance provenanceAt(const SceneMeshes& meshes, const MeshPart& part, const std::vector<std::uint32_t>& segments,
-                        std::size_t i) {
-  return segments.empty() ? meshes.provenanceOf(part) : meshes.provenanceOfSegment(segments[i]);
-}
-
 void writeVertices(const PlacedMeshes::Item& item, const Colour& colour, bool hasSymbols, const Mesh& mesh,
                    BinaryOutput& out) {
   const ExportInput& input = item.scene.input();
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    const Provenance from = provenanceAt(item.scene, item.part, mesh.vertexSegments, i);
+    const Provenance from = item.scene.provenanceOf(item.part, mesh, i);
     out.vector(mesh.positions[i]);
     out.vector(unitNormal(mesh.normals[i]));
     out.single(mesh.coordinates[i][0]);
@@ -66,14 +60,13 @@ void writeVertices(const PlacedMeshes::Item& item, const Colour& colour, bool ha
 }
 
 void writeFaces(const PlacedMeshes::Item& item, const Mesh& mesh, std::uint32_t first, BinaryOutput& out) {
-  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    const auto& face = mesh.faces[i];
+  for (const auto& face : mesh.faces) {
     const bool isTriangle = face[3] == Mesh::kNoVertex;
     out.byte(isTriangle ? 3 : 4);
     for (std::size_t k = 0; k < (isTriangle ? 3U : 4U); ++k) {
       out.uint32(first + face[k]);
     }
-    out.uint32(static_cast<std::uint32_t>(provenanceAt(item.scene, item.part, mesh.faceSegments, i).module));
+    out.uint32(static_cast<std::uint32_t>(item.scene.provenanceOf(item.part, mesh, face[2]).module));
   }
 }
 

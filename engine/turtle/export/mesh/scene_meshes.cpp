@@ -231,6 +231,10 @@ Provenance SceneMeshes::provenanceOfSegment(std::uint32_t segment) const {
   return {of.plant, of.module, of.branchOrder};
 }
 
+Provenance SceneMeshes::provenanceOf(const MeshPart& part, const Mesh& mesh, std::size_t vertex) const {
+  return mesh.vertexSegments.empty() ? provenanceOf(part) : provenanceOfSegment(mesh.vertexSegments[vertex]);
+}
+
 Provenance SceneMeshes::provenanceOf(const MeshPart& part) const {
   const auto of = [](const auto& organ) { return Provenance{organ.plant, organ.module, organ.branchOrder}; };
   switch (part.kind) {

@@ -74,6 +74,8 @@ class SceneMeshes {
 
   /// The module that drew a part. A branch has that of its first segment.
   [[nodiscard]] Provenance provenanceOf(const MeshPart& part) const;
+  /// The module that drew a vertex of its mesh: a branch has one for each segment.
+  [[nodiscard]] Provenance provenanceOf(const MeshPart& part, const Mesh& mesh, std::size_t vertex) const;
   [[nodiscard]] Provenance provenanceOfSegment(std::uint32_t segment) const;
 
  private:

@@ -16,6 +16,7 @@ namespace {
 constexpr double kSharpestMitre = 0.5;      // cosine of the bend up to which one oblique ring serves
 constexpr double kSharpestJoint = -0.94;    // cosine of the bend from which a segment turns back and begins a new tube
 constexpr double kElbowStepRadians = 0.53;  // between the rings of an elbow, at most
+constexpr std::size_t kCommonRings = 16;    // few chains have more
 
 Vec3 directionOf(const Segment& segment) {
   const Vec3 d = segment.end - segment.start;
@@ -31,32 +32,40 @@ Vec3 normalPart(const Vec3& v, const Vec3& axis) {
   return core::normalised(other - core::dot(other, axis) * axis);
 }
 
+/// A segment as a piece of a tube.
+struct Limb {
+  std::uint32_t index = 0;  // into Scene::segments
+  Vec3 start, end;
+  Vec3 direction;
+  double length = 0.0;
+  double startRadius = 0.0, endRadius = 0.0;
+  double slope = 0.0;  // radius lost per unit of length
+  std::uint32_t branchOrder = 0;
+};
+
 /// Makes the rings of one chain from its base outward.
 class RingBuilder {
  public:
   RingBuilder(const Scene& scene, const LineLook& look) : scene_(scene), look_(look) {}
 
-  void begin(std::uint32_t segment);
-  void beginAfter(std::uint32_t before, std::uint32_t segment, const SegmentChains::Continuation& continuation);
-  void joint(std::uint32_t before, std::uint32_t after);
-  void end(std::uint32_t segment);
-  void endBefore(std::uint32_t segment, std::uint32_t after);
+  [[nodiscard]] Limb limbOf(std::uint32_t segment) const;
+  void begin(const Limb& limb);
+  void beginAfter(std::uint32_t before, const Limb& limb, const SegmentChains::Continuation& continuation);
+  void joint(const Limb& before, const Limb& after);
+  void end(const Limb& limb);
+  void endBefore(const Limb& limb, const Limb& after);
   [[nodiscard]] SegmentChains::Continuation continuation() const { return {up_, along_, turns_}; }
   [[nodiscard]] std::vector<TubeRing> take() { return std::move(rings_); }
+  void reserve(std::size_t rings) { rings_.reserve(rings); }
   void dropRings() { rings_.clear(); }
 
  private:
   void turnTo(const Vec3& tangent);
-  void pass(std::uint32_t segment);
-  void addCollar(std::uint32_t segment, double radius);
+  void pass(const Limb& limb);
+  void addCollar(const Limb& limb, double radius);
   void addRing(const Vec3& centre, double radius, double slope, std::uint32_t segment);
   void addMitre(const Vec3& centre, const Vec3& before, const Vec3& after, double radius, double slope,
                 std::uint32_t segment);
-  [[nodiscard]] double slopeOf(std::uint32_t segment) const;
-  [[nodiscard]] double startRadius(std::uint32_t segment) const {
-    return 0.5 * look_.startWidth(scene_.segments[segment]);
-  }
-  [[nodiscard]] double endRadius(std::uint32_t segment) const { return 0.5 * look_.endWidth(scene_.segments[segment]); }
 
   const Scene& scene_;
   LineLook look_;
@@ -67,9 +76,22 @@ class RingBuilder {
   double turns_ = 0.0;
 };
 
-double RingBuilder::slopeOf(std::uint32_t segment) const {
-  const double length = core::length(scene_.segments[segment].end - scene_.segments[segment].start);
-  return length > 0.0 ? (startRadius(segment) - endRadius(segment)) / length : 0.0;
+Limb RingBuilder::limbOf(std::uint32_t segment) const {
+  const Segment& of = scene_.segments[segment];
+  const Vec3 course = of.end - of.start;
+  Limb limb{.index = segment,
+            .start = of.start,
+            .end = of.end,
+            .direction = of.frame.heading,
+            .length = core::length(course),
+            .startRadius = 0.5 * look_.startWidth(of),
+            .endRadius = 0.5 * look_.endWidth(of),
+            .branchOrder = of.branchOrder};
+  if (limb.length > 0.0) {
+    limb.direction = {course.x / limb.length, course.y / limb.length, course.z / limb.length};
+    limb.slope = (limb.startRadius - limb.endRadius) / limb.length;
+  }
+  return limb;
 }
 
 // turns the frame by the shortest way: exact parallel transport along straight pieces
@@ -78,31 +100,28 @@ void RingBuilder::turnTo(const Vec3& tangent) {
   tangent_ = tangent;
 }
 
-// goes along a segment to its end
-void RingBuilder::pass(std::uint32_t segment) {
-  const double length = core::length(scene_.segments[segment].end - scene_.segments[segment].start);
-  const double circumference = std::numbers::pi * (startRadius(segment) + endRadius(segment));
-  along_ += length;
-  turns_ += circumference > 0.0 ? length / circumference : 0.0;
+// goes along a limb to its end
+void RingBuilder::pass(const Limb& limb) {
+  const double circumference = std::numbers::pi * (limb.startRadius + limb.endRadius);
+  along_ += limb.length;
+  turns_ += circumference > 0.0 ? limb.length / circumference : 0.0;
 }
 
 // a fork's limb takes its own width over a short way, instead of at the joint
-void RingBuilder::addCollar(std::uint32_t segment, double radius) {
-  const Segment& limb = scene_.segments[segment];
-  const double length = core::length(limb.end - limb.start);
-  const double way = std::min(0.5 * length, kCollarRadii * std::max(radius, startRadius(segment)));
+void RingBuilder::addCollar(const Limb& limb, double radius) {
+  const double way = std::min(0.5 * limb.length, kCollarRadii * std::max(radius, limb.startRadius));
   if (!(way > 0.0)) {
     return;
   }
-  const double share = way / length;
-  const double own = startRadius(segment) + share * (endRadius(segment) - startRadius(segment));
+  const double share = way / limb.length;
+  const double own = limb.startRadius + share * (limb.endRadius - limb.startRadius);
   const double circumference = std::numbers::pi * (radius + own);
   const double along = along_;
   const double turns = turns_;
   along_ += way;
   turns_ += circumference > 0.0 ? way / circumference : 0.0;
-  addRing(limb.start + way * tangent_, own, slopeOf(segment), segment);
-  // the whole segment is passed at its end
+  addRing(limb.start + way * tangent_, own, limb.slope, limb.index);
+  // the whole limb is passed at its end
   along_ = along;
   turns_ = turns;
 }
@@ -134,71 +153,64 @@ void RingBuilder::addMitre(const Vec3& centre, const Vec3& before, const Vec3& a
   rings_.back().side = radius * projected(side);
 }
 
-void RingBuilder::begin(std::uint32_t segment) {
-  const Segment& first = scene_.segments[segment];
-  const Vec3 direction = directionOf(first);
-  if (first.parent < segment && scene_.segments[first.parent].end == first.start) {
+void RingBuilder::begin(const Limb& limb) {
+  const Segment& first = scene_.segments[limb.index];
+  tangent_ = limb.direction;
+  up_ = normalPart(first.frame.up, limb.direction);
+  if (first.parent < limb.index && scene_.segments[first.parent].end == limb.start) {
     const Vec3 before = directionOf(scene_.segments[first.parent]);
-    if (core::dot(before, direction) >= kSharpestMitre) {
-      tangent_ = direction;
-      up_ = normalPart(first.frame.up, direction);
+    if (core::dot(before, limb.direction) >= kSharpestMitre) {
       turnTo(before);
-      addMitre(first.start, before, direction, startRadius(segment), slopeOf(segment), segment);
-      turnTo(direction);
+      addMitre(limb.start, before, limb.direction, limb.startRadius, limb.slope, limb.index);
+      turnTo(limb.direction);
       return;
     }
   }
-  tangent_ = direction;
-  up_ = normalPart(first.frame.up, direction);
-  addRing(first.start, startRadius(segment), slopeOf(segment), segment);
+  addRing(limb.start, limb.startRadius, limb.slope, limb.index);
 }
 
-void RingBuilder::beginAfter(std::uint32_t before, std::uint32_t segment,
-                             const SegmentChains::Continuation& continuation) {
-  tangent_ = directionOf(scene_.segments[before]);
+void RingBuilder::beginAfter(std::uint32_t before, const Limb& limb, const SegmentChains::Continuation& continuation) {
+  const Limb last = limbOf(before);
+  tangent_ = last.direction;
   up_ = continuation.up;
   along_ = continuation.along;
   turns_ = continuation.turns;
-  joint(before, segment);
+  joint(last, limb);
   for (TubeRing& ring : rings_) {
-    ring.segment = segment;
+    ring.segment = limb.index;
   }
 }
 
-// the chain of the next segment's material makes the rest of the joint
-void RingBuilder::endBefore(std::uint32_t segment, std::uint32_t after) {
+// the chain of the next limb's material makes the rest of the joint
+void RingBuilder::endBefore(const Limb& limb, const Limb& after) {
   const std::size_t count = rings_.size();
-  joint(segment, after);
+  joint(limb, after);
   rings_.resize(count + 1);
 }
 
-void RingBuilder::end(std::uint32_t segment) {
-  const Segment& last = scene_.segments[segment];
-  pass(segment);
-  addRing(last.end, endRadius(segment), slopeOf(segment), segment);
+void RingBuilder::end(const Limb& limb) {
+  pass(limb);
+  addRing(limb.end, limb.endRadius, limb.slope, limb.index);
 }
 
-void RingBuilder::joint(std::uint32_t before, std::uint32_t after) {
-  const Segment& first = scene_.segments[before];
-  const Vec3 from = directionOf(first);
-  const Vec3 to = directionOf(scene_.segments[after]);
+void RingBuilder::joint(const Limb& before, const Limb& after) {
+  const Vec3& from = before.direction;
+  const Vec3& to = after.direction;
   const double cosine = std::clamp(core::dot(from, to), -1.0, 1.0);
   pass(before);
-  const double radius = endRadius(before);
-  const double next = startRadius(after);
-  const bool isFork = first.branchOrder != scene_.segments[after].branchOrder;
+  const double radius = before.endRadius;
+  const double next = after.startRadius;
+  const bool isFork = before.branchOrder != after.branchOrder;
   const bool hasStep = radius != next && !isFork;
   if (cosine >= kSharpestMitre) {
-    const double slope = hasStep ? slopeOf(before) : 0.5 * (slopeOf(before) + slopeOf(after));
+    const double slope = hasStep ? before.slope : 0.5 * (before.slope + after.slope);
+    const Vec3 up = up_;
+    addMitre(before.end, from, to, radius, slope, before.index);
     if (hasStep) {
-      const Vec3 up = up_;
-      addMitre(first.end, from, to, radius, slope, before);
       // a second ring of the next width at the same place
       tangent_ = from;
       up_ = up;
-      addMitre(first.end, from, to, next, slopeOf(after), after);
-    } else {
-      addMitre(first.end, from, to, radius, slope, before);
+      addMitre(before.end, from, to, next, after.slope, after.index);
     }
   } else {
     // an elbow: rings about the joint, from one direction to the other
@@ -208,8 +220,8 @@ void RingBuilder::joint(std::uint32_t before, std::uint32_t after) {
     for (int i = 0; i <= steps; ++i) {
       const double t = static_cast<double>(i) / steps;
       turnTo(i == steps ? to : rotatedAbout(from, axis, t * angle));
-      addRing(first.end, radius + t * (next - radius), i == 0 ? slopeOf(before) : slopeOf(after),
-              i == 0 ? before : after);
+      addRing(before.end, radius + t * (next - radius), i == 0 ? before.slope : after.slope,
+              i == 0 ? before.index : after.index);
     }
   }
   turnTo(to);
@@ -297,13 +309,16 @@ SegmentChains chainsOf(const Scene& scene, const Palette& palette) {
       continue;
     }
     RingBuilder builder(scene, {});
-    builder.begin(head);
-    for (std::uint32_t at = head, next = chains.next[at]; next != kNoParent; at = next, next = chains.next[at]) {
-      if (!looksAlike(palette, segments[at], segments[next])) {
+    Limb limb = builder.limbOf(head);
+    builder.begin(limb);
+    for (std::uint32_t next = chains.next[head]; next != kNoParent; next = chains.next[next]) {
+      if (!looksAlike(palette, segments[limb.index], segments[next])) {
         chains.continuations.emplace(next, builder.continuation());
       }
-      builder.joint(at, next);
+      const Limb after = builder.limbOf(next);
+      builder.joint(limb, after);
       builder.dropRings();
+      limb = after;
     }
   }
   return chains;
@@ -312,22 +327,26 @@ SegmentChains chainsOf(const Scene& scene, const Palette& palette) {
 std::vector<TubeRing> ringsOf(const Scene& scene, const Palette& palette, const SegmentChains& chains,
                               std::uint32_t head, const LineLook& look) {
   RingBuilder builder(scene, look);
+  builder.reserve(kCommonRings);
+  Limb limb = builder.limbOf(head);
   if (const auto found = chains.continuations.find(head); found != chains.continuations.end()) {
-    builder.beginAfter(scene.segments[head].parent, head, found->second);
+    builder.beginAfter(scene.segments[head].parent, limb, found->second);
   } else {
-    builder.begin(head);
+    builder.begin(limb);
   }
-  for (std::uint32_t at = head;; at = chains.next[at]) {
-    const std::uint32_t next = chains.next[at];
+  while (true) {
+    const std::uint32_t next = chains.next[limb.index];
     if (next == kNoParent) {
-      builder.end(at);
+      builder.end(limb);
       break;
     }
-    if (!looksAlike(palette, scene.segments[at], scene.segments[next])) {
-      builder.endBefore(at, next);
+    const Limb after = builder.limbOf(next);
+    if (!looksAlike(palette, scene.segments[limb.index], scene.segments[next])) {
+      builder.endBefore(limb, after);
       break;
     }
-    builder.joint(at, next);
+    builder.joint(limb, after);
+    limb = after;
   }
   return builder.take();
 }

@@ -86,16 +86,12 @@ class Piece {
       addVector(points_, mesh.positions[i]);
       addVector(normals_, mesh.normals[i]);
     }
-    for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-      const auto& face = mesh.faces[i];
+    for (const auto& face : mesh.faces) {
       for (std::size_t k = 0; k < (face[3] == Mesh::kNoVertex ? 3U : 4U); ++k) {
         corners_.push_back(first + face[k]);
       }
       ends_.push_back(static_cast<std::int64_t>(corners_.size()));
-      addCell(item,
-              mesh.faceSegments.empty() ? item.scene.provenanceOf(item.part)
-                                        : item.scene.provenanceOfSegment(mesh.faceSegments[i]),
-              colour, places);
+      addCell(item, item.scene.provenanceOf(item.part, mesh, face[2]), colour, places);
     }
   }
 

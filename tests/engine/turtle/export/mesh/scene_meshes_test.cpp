@@ -238,9 +238,11 @@ TEST(SceneMeshes, PartsKnowTheirModules) {
   Mesh tube;
   meshes.make(meshes.parts()[0], tube);
   ASSERT_EQ(tube.vertexSegments.size(), tube.positions.size());
-  ASSERT_EQ(tube.faceSegments.size(), tube.faces.size());
-  EXPECT_EQ(meshes.provenanceOfSegment(tube.faceSegments[0]).module, 0U);
-  EXPECT_EQ(meshes.provenanceOfSegment(tube.faceSegments[8]).module, 7U);
+  const auto moduleOfFace = [&](std::size_t face) {
+    return meshes.provenanceOf(meshes.parts()[0], tube, tube.faces[face][2]).module;
+  };
+  EXPECT_EQ(moduleOfFace(0), 0U);
+  EXPECT_EQ(moduleOfFace(8), 7U);
 }
 
 TEST(SceneMeshes, DetailScalesSidesAndSubdivisions) {
