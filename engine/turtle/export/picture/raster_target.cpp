@@ -53,12 +53,38 @@ Plane planeThrough(const Corners& corners, double a, double b, double c) {
   return plane;
 }
 
+/// An edge of a triangle, downward. Both triangles at an edge compute alike where it crosses a row of sample centres.
+class Edge {
+ public:
+  Edge(const Corners& corners, std::size_t from, std::size_t to)
+      : x_(corners.x[from]),
+        y_(corners.y[from]),
+        width_(corners.x[to] - corners.x[from]),
+        height_(corners.y[to] - corners.y[from]) {}
+  /// For rows that the edge crosses: its height is above 0.
+  [[nodiscard]] double xAt(double y) const { return x_ + width_ * ((y - y_) / height_); }
+
+ private:
+  double x_, y_, width_, height_;
+};
+
+/// Samples of a row: `begin` to `end - 1`. Without initial values: a triangle has few of 256 rows.
+struct SampleSpan {
+  int begin;
+  int end;
+};
+
+// clamped first, so that the whole part is a plain conversion
 int clampedFloor(double value, int low, int high) {
-  return static_cast<int>(std::clamp(std::floor(value), static_cast<double>(low), static_cast<double>(high)));
+  const double inside = std::clamp(value, static_cast<double>(low), static_cast<double>(high));
+  const int whole = static_cast<int>(inside);
+  return whole - (static_cast<double>(whole) > inside ? 1 : 0);
 }
 
 int clampedCeil(double value, int low, int high) {
-  return static_cast<int>(std::clamp(std::ceil(value), static_cast<double>(low), static_cast<double>(high)));
+  const double inside = std::clamp(value, static_cast<double>(low), static_cast<double>(high));
+  const int whole = static_cast<int>(inside);
+  return whole + (static_cast<double>(whole) < inside ? 1 : 0);
 }
 
 }  // namespace
@@ -103,9 +129,14 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
   }
   // the corners from top to bottom
   std::array<std::size_t, 3> order{0, 1, 2};
-  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
-    return corners.y[i] != corners.y[j] ? corners.y[i] < corners.y[j] : corners.x[i] < corners.x[j];
-  });
+  const auto putInOrder = [&](std::size_t& i, std::size_t& j) {
+    if (corners.y[j] != corners.y[i] ? corners.y[j] < corners.y[i] : corners.x[j] < corners.x[i]) {
+      std::swap(i, j);
+    }
+  };
+  putInOrder(order[0], order[1]);
+  putInOrder(order[1], order[2]);
+  putInOrder(order[0], order[1]);
   const auto& [first, middle, last] = order;
 
   const int left = tileColumn * kTilePixels * kAcross;
@@ -192,12 +223,21 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
     return kOrder[sample ^ pattern] + 0.5 < coverage;
   };
 
-  // where an edge crosses a row of sample centres; both triangles at an edge compute it alike
-  const auto crossing = [&](std::size_t from, std::size_t to, double y) {
-    const double height = corners.y[to] - corners.y[from];
-    return height > 0.0 ? corners.x[from] + (corners.x[to] - corners.x[from]) * ((y - corners.y[from]) / height)
-                        : corners.x[from];
+  // which samples of each row; all rows before the first is drawn, because the divisions take longer than the rest
+  std::array<SampleSpan, kTileSamples> spans;
+  const auto findSpans = [&](std::size_t from, std::size_t to, int firstRow, int endRow) {
+    const Edge longest(corners, first, last);
+    const Edge other(corners, from, to);
+    for (int row = firstRow; row < endRow; ++row) {
+      const double y = row + 0.5;
+      const auto [leftEnd, rightEnd] = std::minmax({longest.xAt(y), other.xAt(y)});
+      spans[static_cast<std::size_t>(row - upper)] = {clampedCeil(leftEnd - 0.5, left, right),
+                                                      clampedCeil(rightEnd - 0.5, left, right)};
+    }
   };
+  const int bend = clampedCeil(corners.y[middle] - 0.5, begin, end);
+  findSpans(first, middle, begin, bend);
+  findSpans(middle, last, bend, end);
   const std::size_t tileStart = firstSample(tileColumn, tileRow);
   float* const samplesNearness = nearness_.data() + tileStart;
   std::uint32_t* const samplesColour = colours_.data() + tileStart;
@@ -209,13 +249,7 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
   }
   for (int row = begin; row < end; ++row) {
     const double y = row + 0.5;
-    double from = crossing(first, last, y);
-    double to = y < corners.y[middle] ? crossing(first, middle, y) : crossing(middle, last, y);
-    if (from > to) {
-      std::swap(from, to);
-    }
-    const int beginX = clampedCeil(from - 0.5, left, right);
-    const int endX = clampedCeil(to - 0.5, left, right);
+    const auto [beginX, endX] = spans[static_cast<std::size_t>(row - upper)];
     const std::size_t rowStart = static_cast<std::size_t>(row - upper) * kTileSamples;
     const double rowNearness = nearness.atOrigin + nearness.alongY * y;
     for (int x = beginX; x < endX; ++x) {
