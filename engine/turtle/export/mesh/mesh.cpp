@@ -213,13 +213,15 @@ void joinCorners(Mesh& mesh, std::span<const std::uint32_t> corners) {
 }  // namespace
 
 bool dropDegenerateFaces(Mesh& mesh) {
-  const auto isFar = [&mesh](const auto& face) { return isFarFromFlat(mesh, face); };
-  auto kept = std::ranges::find_if_not(mesh.faces, isFar);
+  auto kept = mesh.faces.begin();
+  while (kept != mesh.faces.end() && isFarFromFlat(mesh, *kept)) {
+    ++kept;
+  }
   if (kept == mesh.faces.end()) {
     return false;
   }
   for (auto face = kept; face != mesh.faces.end(); ++face) {
-    if (isFar(*face)) {
+    if (isFarFromFlat(mesh, *face)) {
       *kept++ = *face;
       continue;
     }

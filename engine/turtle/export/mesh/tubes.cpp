@@ -82,7 +82,7 @@ Limb RingBuilder::limbOf(std::uint32_t segment) const {
   Limb limb{.index = segment,
             .start = of.start,
             .end = of.end,
-            .direction = of.frame.heading,
+            .direction = course,
             .length = core::length(course),
             .startRadius = 0.5 * look_.startWidth(of),
             .endRadius = 0.5 * look_.endWidth(of),
@@ -90,6 +90,8 @@ Limb RingBuilder::limbOf(std::uint32_t segment) const {
   if (limb.length > 0.0) {
     limb.direction = {course.x / limb.length, course.y / limb.length, course.z / limb.length};
     limb.slope = (limb.startRadius - limb.endRadius) / limb.length;
+  } else {
+    limb.direction = of.frame.heading;
   }
   return limb;
 }

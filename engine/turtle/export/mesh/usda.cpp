@@ -85,6 +85,7 @@ void spellArrays(const Mesh& mesh, std::uint64_t firstVertex, std::string& bytes
     const std::size_t before = bytes.size();
     TextOutput out(bytes);
     writeArray(static_cast<MeshArray>(array), mesh, firstVertex, out);
+    out.flush();
     lengths[array] = bytes.size() - before;
   }
   std::memcpy(bytes.data() + start, lengths.data(), sizeof(lengths));
