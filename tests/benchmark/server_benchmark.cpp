@@ -238,8 +238,9 @@ ServerTrips tripsOfServer(Placement placement, const TripCounts& counts) {
   const std::string step = stepOf(createSmallPlant(socket));
   ServerTrips trips;
   trips.step = measureWarm(socket, step, counts);
-  trips.ping = measureWarm(socket, R"({"jsonrpc":"2.0","id":3,"method":"ping","params":{}})"
-                                   "\n",
+  trips.ping = measureWarm(socket,
+                           R"({"jsonrpc":"2.0","id":3,"method":"ping","params":{}})"
+                           "\n",
                            counts);
   return trips;
 }
