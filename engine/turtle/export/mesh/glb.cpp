@@ -27,15 +27,6 @@ namespace {
 constexpr double kUsualReflection = 1.0 / 0.214041;
 constexpr double kDefaultRoughness = 0.8;
 
-class CountingSink final : public core::ByteSink {
- public:
-  void write(std::string_view bytes) override { count_ += bytes.size(); }
-  [[nodiscard]] std::uint64_t count() const { return count_; }
-
- private:
-  std::uint64_t count_ = 0;
-};
-
 class GlbWriter {
  public:
   GlbWriter(const PlacedScenes& placed, const ExportTarget& target) : plan_(placed), target_(target) {}
@@ -44,7 +35,7 @@ class GlbWriter {
 
  private:
   // the text
-  void writeJson(core::ByteSink& sink) const;
+  [[nodiscard]] std::string jsonText() const;
   void writeNodes(TextOutput& out) const;
   void writeInstanceNode(std::size_t index, TextOutput& out) const;
   void writeMeshes(TextOutput& out) const;
@@ -322,13 +313,15 @@ void GlbWriter::writeGround(TextOutput& out) const {
   out << (isFirst ? "" : "]}");
 }
 
-void GlbWriter::writeJson(core::ByteSink& sink) const {
-  TextOutput out(sink);
+std::string GlbWriter::jsonText() const {
+  std::string text;
+  TextOutput out(text);
   out << "{\"asset\":{\"version\":\"2.0\",\"generator\":\"Espalier\"},\n\"scene\":0,\n";
   const std::size_t rootCount = plan_.plants.size() + plan_.sceneInstanceCount;
   if (rootCount == 0) {
     out << "\"scenes\":[{\"name\":\"empty\"}]}";
-    return;
+    out.flush();
+    return text;
   }
   const bool isInstanced = !plan_.instances.empty();
   const bool hasHighlights = std::ranges::any_of(plan_.materialIndex, [this](const auto& entry) {
@@ -355,6 +348,8 @@ void GlbWriter::writeJson(core::ByteSink& sink) const {
   out << ']';
   writeGround(out);
   out << "}]}";
+  out.flush();
+  return text;
 }
 
 // --- the numbers -----------------------------------------------------------------------------------------------------
@@ -464,9 +459,8 @@ std::optional<std::string> GlbWriter::write() {
   }
 
   // header, text padded by blanks, numbers
-  CountingSink counter;
-  writeJson(counter);
-  const std::uint64_t jsonBytes = (counter.count() + 3) / 4 * 4;
+  const std::string json = jsonText();
+  const std::uint64_t jsonBytes = (json.size() + 3) / 4 * 4;
   const bool hasBinary = plan_.binaryBytes > 0;
   const std::uint64_t fileBytes = 12 + 8 + jsonBytes + (hasBinary ? 8 + plan_.binaryBytes : 0);
   if (fileBytes > std::numeric_limits<std::uint32_t>::max()) {
@@ -480,11 +474,8 @@ std::optional<std::string> GlbWriter::write() {
     out.uint32(static_cast<std::uint32_t>(fileBytes));
     out.uint32(static_cast<std::uint32_t>(jsonBytes));
     out.bytes("JSON");
-  }
-  writeJson(target_.sink);
-  {
-    BinaryOutput out(target_.sink);
-    out.bytes(std::string(jsonBytes - counter.count(), ' '));
+    out.bytes(json);
+    out.bytes(std::string(jsonBytes - json.size(), ' '));
     if (hasBinary) {
       out.uint32(static_cast<std::uint32_t>(plan_.binaryBytes));
       out.bytes(std::string_view("BIN\0", 4));

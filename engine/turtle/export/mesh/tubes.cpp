@@ -244,20 +244,23 @@ void continueForks(const std::vector<Segment>& segments, double sharpestJoint, s
       continue;
     }
     const Segment& before = segments[limb.parent];
-    const double cosine = core::dot(directionOf(before), directionOf(limb));
-    if (before.branchOrder >= limb.branchOrder || !(before.end == limb.start) || before.plant != limb.plant ||
-        cosine <= sharpestJoint) {
+    std::uint32_t& chosen = next[limb.parent];
+    const bool continuesAxis = chosen != kNoParent && segments[chosen].branchOrder <= before.branchOrder;
+    if (continuesAxis || before.branchOrder >= limb.branchOrder || !(before.end == limb.start) ||
+        before.plant != limb.plant) {
       continue;
     }
-    std::uint32_t& chosen = next[limb.parent];
+    const double cosine = core::dot(directionOf(before), directionOf(limb));
+    if (cosine <= sharpestJoint) {
+      continue;
+    }
     if (chosen == kNoParent) {
       chosen = i;
       continue;
     }
     const Segment& other = segments[chosen];
     const double otherCosine = core::dot(directionOf(before), directionOf(other));
-    if (other.branchOrder > before.branchOrder &&
-        std::pair(limb.startWidth, cosine) > std::pair(other.startWidth, otherCosine)) {
+    if (std::pair(limb.startWidth, cosine) > std::pair(other.startWidth, otherCosine)) {
       chosen = i;
     }
   }
