@@ -53,6 +53,19 @@ Plane planeThrough(const Corners& corners, double a, double b, double c) {
   return plane;
 }
 
+// clamped first, so that the whole part is a plain conversion
+int clampedFloor(double value, int low, int high) {
+  const double inside = std::clamp(value, static_cast<double>(low), static_cast<double>(high));
+  const int whole = static_cast<int>(inside);
+  return whole - (static_cast<double>(whole) > inside ? 1 : 0);
+}
+
+int clampedCeil(double value, int low, int high) {
+  const double inside = std::clamp(value, static_cast<double>(low), static_cast<double>(high));
+  const int whole = static_cast<int>(inside);
+  return whole + (static_cast<double>(whole) < inside ? 1 : 0);
+}
+
 /// An edge of a triangle, downward. Both triangles at an edge compute alike where it crosses a row of sample centres.
 class Edge {
  public:
@@ -74,18 +87,58 @@ struct SampleSpan {
   int end;
 };
 
-// clamped first, so that the whole part is a plain conversion
-int clampedFloor(double value, int low, int high) {
-  const double inside = std::clamp(value, static_cast<double>(low), static_cast<double>(high));
-  const int whole = static_cast<int>(inside);
-  return whole - (static_cast<double>(whole) > inside ? 1 : 0);
-}
+/// The samples of one tile: columns `left` to `right - 1` and rows `upper` to `lower - 1` of the page.
+struct TileSamples {
+  int left, right, upper, lower;
+};
 
-int clampedCeil(double value, int low, int high) {
-  const double inside = std::clamp(value, static_cast<double>(low), static_cast<double>(high));
-  const int whole = static_cast<int>(inside);
-  return whole + (static_cast<double>(whole) < inside ? 1 : 0);
-}
+/// Which samples of a tile lie in a triangle, row by row. All rows are found before the first is drawn: the divisions
+/// take longer than the rest.
+class RowSpans {
+ public:
+  RowSpans(const Corners& corners, const TileSamples& tile) : tile_(tile) {
+    const auto [first, middle, last] = downward(corners);
+    // a sample belongs to the triangle when its centre does; on an edge it belongs to the right and lower neighbour
+    begin_ = clampedCeil(corners.y[first] - 0.5, tile.upper, tile.lower);
+    end_ = clampedCeil(corners.y[last] - 0.5, tile.upper, tile.lower);
+    const int bend = clampedCeil(corners.y[middle] - 0.5, begin_, end_);
+    const Edge longest(corners, first, last);
+    find(longest, Edge(corners, first, middle), begin_, bend);
+    find(longest, Edge(corners, middle, last), bend, end_);
+  }
+  [[nodiscard]] int begin() const { return begin_; }
+  [[nodiscard]] int end() const { return end_; }
+  [[nodiscard]] const SampleSpan& of(int row) const { return spans_[static_cast<std::size_t>(row - tile_.upper)]; }
+
+ private:
+  // the corners from top to bottom
+  static std::array<std::size_t, 3> downward(const Corners& corners) {
+    std::array<std::size_t, 3> order{0, 1, 2};
+    const auto putInOrder = [&](std::size_t& i, std::size_t& j) {
+      if (corners.y[j] != corners.y[i] ? corners.y[j] < corners.y[i] : corners.x[j] < corners.x[i]) {
+        std::swap(i, j);
+      }
+    };
+    putInOrder(order[0], order[1]);
+    putInOrder(order[1], order[2]);
+    putInOrder(order[0], order[1]);
+    return order;
+  }
+
+  void find(const Edge& longest, const Edge& other, int firstRow, int endRow) {
+    for (int row = firstRow; row < endRow; ++row) {
+      const double y = row + 0.5;
+      const auto [left, right] = std::minmax({longest.xAt(y), other.xAt(y)});
+      spans_[static_cast<std::size_t>(row - tile_.upper)] = {clampedCeil(left - 0.5, tile_.left, tile_.right),
+                                                             clampedCeil(right - 0.5, tile_.left, tile_.right)};
+    }
+  }
+
+  TileSamples tile_;
+  int begin_ = 0;
+  int end_ = 0;
+  std::array<SampleSpan, RasterTarget::kTileSamples> spans_;  // those of begin_ to end_ - 1 have values
+};
 
 }  // namespace
 
@@ -127,25 +180,11 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
   if (!(std::abs(corners.area) > 0.0) || !std::isfinite(corners.area)) {
     return;
   }
-  // the corners from top to bottom
-  std::array<std::size_t, 3> order{0, 1, 2};
-  const auto putInOrder = [&](std::size_t& i, std::size_t& j) {
-    if (corners.y[j] != corners.y[i] ? corners.y[j] < corners.y[i] : corners.x[j] < corners.x[i]) {
-      std::swap(i, j);
-    }
-  };
-  putInOrder(order[0], order[1]);
-  putInOrder(order[1], order[2]);
-  putInOrder(order[0], order[1]);
-  const auto& [first, middle, last] = order;
-
   const int left = tileColumn * kTilePixels * kAcross;
   const int right = std::min(left + kTileSamples, width_ * kAcross);
   const int upper = tileRow * kTilePixels * kAcross;
   const int lower = upper + sampleRows(tileRow);
-  // a sample belongs to the triangle when its centre does; on an edge it belongs to the right and lower neighbour
-  const int begin = clampedCeil(corners.y[first] - 0.5, upper, lower);
-  const int end = clampedCeil(corners.y[last] - 0.5, upper, lower);
+  const RowSpans spans(corners, {left, right, upper, lower});
 
   const auto& v = triangle.corners;
   const Plane nearness = planeThrough(corners, static_cast<double>(v[0].nearness), static_cast<double>(v[1].nearness),
@@ -223,21 +262,6 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
     return kOrder[sample ^ pattern] + 0.5 < coverage;
   };
 
-  // which samples of each row; all rows before the first is drawn, because the divisions take longer than the rest
-  std::array<SampleSpan, kTileSamples> spans;
-  const auto findSpans = [&](std::size_t from, std::size_t to, int firstRow, int endRow) {
-    const Edge longest(corners, first, last);
-    const Edge other(corners, from, to);
-    for (int row = firstRow; row < endRow; ++row) {
-      const double y = row + 0.5;
-      const auto [leftEnd, rightEnd] = std::minmax({longest.xAt(y), other.xAt(y)});
-      spans[static_cast<std::size_t>(row - upper)] = {clampedCeil(leftEnd - 0.5, left, right),
-                                                      clampedCeil(rightEnd - 0.5, left, right)};
-    }
-  };
-  const int bend = clampedCeil(corners.y[middle] - 0.5, begin, end);
-  findSpans(first, middle, begin, bend);
-  findSpans(middle, last, bend, end);
   const std::size_t tileStart = firstSample(tileColumn, tileRow);
   float* const samplesNearness = nearness_.data() + tileStart;
   std::uint32_t* const samplesColour = colours_.data() + tileStart;
@@ -247,9 +271,9 @@ void RasterTarget::draw(const RasterTriangle& triangle, int tileColumn, int tile
     std::fill_n(samplesColour, samples, 0U);
     isDrawn = 1;
   }
-  for (int row = begin; row < end; ++row) {
+  for (int row = spans.begin(); row < spans.end(); ++row) {
     const double y = row + 0.5;
-    const auto [beginX, endX] = spans[static_cast<std::size_t>(row - upper)];
+    const auto [beginX, endX] = spans.of(row);
     const std::size_t rowStart = static_cast<std::size_t>(row - upper) * kTileSamples;
     const double rowNearness = nearness.atOrigin + nearness.alongY * y;
     for (int x = beginX; x < endX; ++x) {

@@ -38,6 +38,7 @@ class RasterTarget {
  public:
   static constexpr int kSamplesAcross = 4;
   static constexpr int kTilePixels = 64;
+  static constexpr int kTileSamples = kTilePixels * kSamplesAcross;  // in a row or column of a tile
 
   /// The page's rows `firstRow` to `firstRow + rows - 1`.
   RasterTarget(int width, int firstRow, int rows);
@@ -61,8 +62,6 @@ class RasterTarget {
                std::span<const float> shades = {}) const;
 
  private:
-  static constexpr int kTileSamples = kTilePixels * kSamplesAcross;
-
   [[nodiscard]] std::size_t tileNumber(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(tileColumns()) + static_cast<std::size_t>(column);
   }
