@@ -48,7 +48,7 @@ THREAD_TARGET = 0.9  # gain of two threads over the gain of two threads that cop
 VIEWERS_CPU_TARGET = 1.1  # processor time of the thread that steps, with 50 viewers over without
 VIEWERS_WALL_TARGET = 1.5  # the median time of such a step
 
-ROUND_TRIP_TARGET = 3.0  # median of a step of a small plant over a bare echo of as many bytes, left alone
+ROUND_TRIP_TARGET = 3.0  # median of a step of a small plant over a bare echo of as many bytes, each alone on the machine
 
 SWEEP_TARGET = 1.05  # runs of a sweep over the same runs in a bare loop
 SWEEP_MINUTES = 10.0  # of 10^5 runs by two workers

@@ -4,11 +4,12 @@ import base64
 import http.client
 import json
 import os
+import re
 import socket
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Dict, Tuple
+from typing import Dict, List, Tuple
 
 from support import Server, espalier
 
@@ -138,13 +139,47 @@ class Downloads(unittest.TestCase):
                                 b"Sec-WebSocket-Version: 13\r\nOrigin: http://evil.example\r\n\r\n"))
             self.assertIn("403 Forbidden", connection.recv(1000).decode("ascii"))
 
+    def suffixes(self, name: str) -> List[str]:
+        """Those of all formats, as the server names them."""
+        status, text = self.text(f"/simulations/{name}/plant.nothing")
+        self.assertEqual(status, 404)
+        found = re.findall(r"\.([a-z]+)\b", text.partition(":")[2])
+        self.assertGreater(len(found), 10, text)
+        return found
+
     def test_a_download_beyond_the_limit_is_refused(self) -> None:
-        self.serve("--limit", "blockBytes=1000")
-        with Client(self.server.address) as client:
-            name = client.create(MODEL, environment=[{"type": "height"}]).identifier
-            status, text = self.text(f"/simulations/{name}/plant.png")
-            self.assertEqual(status, 413)
-            self.assertIn("the limit 'blockBytes' is 1000, and this is larger.", text)
+        for bound in (1000, 5000, 20_000):
+            self.serve("--limit", f"blockBytes={bound}")
+            with Client(self.server.address) as client:
+                model = MODEL.replace("h < 9", "h < 50").replace("length: 6", "length: 50")
+                simulation = client.create(model, environment=[{"type": "height"}])
+                simulation.step(40)
+                name = simulation.identifier
+                refused = 0
+                for suffix in self.suffixes(name):
+                    status, _, body = self.get(f"/simulations/{name}/plant.{suffix}")
+                    self.assertIn(status, (200, 413), suffix)
+                    if status == 413:
+                        refused += 1
+                        self.assertIn(f"the limit 'blockBytes' is {bound}, and this is larger.", body.decode("utf-8"))
+                self.assertGreater(refused, 3, bound)
+                self.assertEqual(simulation.step(1).step, 41)
+            self.server.stop()
+
+    def test_a_download_without_memory_is_refused(self) -> None:
+        chain = "Lsystem: 1\nderivation length: 534\nAxiom: !(0.3)A\nA --> F(1)+(7)/(11)A\nendlsystem\n"
+        view = "line style: cylinder\ncontour sides: 48\n"
+        statuses = set()
+        for bound in (8_000_000, 10_000_000, 12_000_000, 14_000_000):
+            self.serve("--limit", f"accountMemoryBytes={bound}")
+            with Client(self.server.address) as client:
+                simulation = client.create(files={"chain.l": chain, "chain.v": view}, main="chain.l")
+                simulation.step(534)
+                for suffix in self.suffixes(simulation.identifier):
+                    statuses.add(self.get(f"/simulations/{simulation.identifier}/plant.{suffix}")[0])
+                self.assertEqual(self.get("/simulations")[0], 200)
+            self.server.stop()
+        self.assertEqual(statuses, {200, 503})
 
 
 if __name__ == "__main__":

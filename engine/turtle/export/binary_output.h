@@ -13,7 +13,7 @@
 
 namespace espalier::turtle {
 
-/// Little-endian binary numbers for a sink or a string.
+/// Little-endian binary numbers for a sink or a string, which have all of them after `flush`.
 class BinaryOutput {
  public:
   explicit BinaryOutput(core::ByteSink& sink) : out_(sink) {}

@@ -8,15 +8,14 @@
 
 namespace espalier::turtle {
 
-/// Collects small writes and hands them to a sink in large pieces, or appends them to a string. The sink or the string
-/// has all of them at the end of the object or after `flush`.
+/// Collects small writes and hands them to a sink in large pieces, or appends them to a string, which have all of them
+/// after `flush`. Nothing is written at the end of the object: a sink may throw, and a string may find no memory.
 class PieceOutput {
  public:
   static constexpr std::size_t kMostRoom = 512;
 
   explicit PieceOutput(core::ByteSink& sink) : sink_(&sink), buffer_(&own_) {}
   explicit PieceOutput(std::string& bytes) : buffer_(&bytes) {}
-  ~PieceOutput() { flush(); }
   PieceOutput(const PieceOutput&) = delete;
   PieceOutput& operator=(const PieceOutput&) = delete;
 

@@ -10,7 +10,7 @@
 
 namespace espalier::turtle {
 
-/// Text for a sink or a string.
+/// Text for a sink or a string, which have all of it after `flush`.
 class TextOutput {
  public:
   explicit TextOutput(core::ByteSink& sink) : out_(sink) {}

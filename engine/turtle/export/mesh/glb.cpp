@@ -401,6 +401,7 @@ std::optional<std::string> GlbWriter::writePieces() {
     BinaryOutput spelled(bytes);
     writeVertices(mesh, plan_.hasCoordinates(plan_.partOf(plan_.own[order[i]]).material), spelled);
     writeIndices(mesh, plan_.firstVertices[order[i]], spelled);
+    spelled.flush();
   };
   work.use = [&](std::size_t i, const Mesh& mesh, std::string_view bytes) -> std::optional<std::string> {
     const Piece& piece = plan_.pieces[pieceNumber];
@@ -426,6 +427,7 @@ std::optional<std::string> GlbWriter::writePieces() {
   }
   writeInstances(out);
   writePictures(out);
+  out.flush();
   return std::nullopt;
 }
 
@@ -467,20 +469,19 @@ std::optional<std::string> GlbWriter::write() {
     return "it would have " + std::to_string(fileBytes / 1'000'000) +
            " MB and the format holds at most 4294 MB. Write .ply or .obj, or fewer contour sides";
   }
-  {
-    BinaryOutput out(target_.sink);
-    out.bytes("glTF");
-    out.uint32(2);
-    out.uint32(static_cast<std::uint32_t>(fileBytes));
-    out.uint32(static_cast<std::uint32_t>(jsonBytes));
-    out.bytes("JSON");
-    out.bytes(json);
-    out.bytes(std::string(jsonBytes - json.size(), ' '));
-    if (hasBinary) {
-      out.uint32(static_cast<std::uint32_t>(plan_.binaryBytes));
-      out.bytes(std::string_view("BIN\0", 4));
-    }
+  BinaryOutput out(target_.sink);
+  out.bytes("glTF");
+  out.uint32(2);
+  out.uint32(static_cast<std::uint32_t>(fileBytes));
+  out.uint32(static_cast<std::uint32_t>(jsonBytes));
+  out.bytes("JSON");
+  out.bytes(json);
+  out.bytes(std::string(jsonBytes - json.size(), ' '));
+  if (hasBinary) {
+    out.uint32(static_cast<std::uint32_t>(plan_.binaryBytes));
+    out.bytes(std::string_view("BIN\0", 4));
   }
+  out.flush();
   return writePieces();
 }
 

@@ -107,6 +107,7 @@ std::optional<std::string> ObjWriter::write(const std::string& materialFile) {
     if (!mesh.faces.empty()) {
       TextOutput out(text);
       writeMesh(mesh, vertexCount, out);
+      out.flush();
     }
   };
   spelling.use = [&](const Item& item, const Mesh& mesh, std::string_view text) -> std::optional<std::string> {
@@ -157,6 +158,7 @@ void ObjWriter::writeMaterials(core::ByteSink& sink) const {
       textures.insert(material.texture);
     }
   }
+  out.flush();
   for (const std::uint32_t index : textures) {
     const MeshTexture& texture = meshes_.textures()[index];
     target_.openCompanion(pictureName(texture)).write(texture.fileBytes());

@@ -103,6 +103,7 @@ std::optional<std::string> exportPly(const PlacedScenes& placed, const ExportTar
     const bool hasSymbols = item.scene.input().program == placed.scenes[0].program;
     BinaryOutput spelled(bytes);
     writeVertices(item, meshes.materials()[item.part.material].colour, hasSymbols, mesh, spelled);
+    spelled.flush();
   };
   if (auto problem = meshes.forEachSpelled(spelling)) {
     return problem;
@@ -116,8 +117,11 @@ std::optional<std::string> exportPly(const PlacedScenes& placed, const ExportTar
   spelling.spell = [](const Item& item, const Mesh& mesh, std::uint64_t first, std::string& bytes) {
     BinaryOutput spelled(bytes);
     writeFaces(item, mesh, static_cast<std::uint32_t>(first), spelled);
+    spelled.flush();
   };
-  return meshes.forEachSpelled(spelling);
+  auto problem = meshes.forEachSpelled(spelling);
+  out.flush();
+  return problem;
 }
 
 }  // namespace espalier::turtle

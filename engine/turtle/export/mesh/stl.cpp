@@ -64,13 +64,16 @@ std::optional<std::string> exportStl(const PlacedScenes& placed, const ExportTar
       spelled.singles(std::array{normal.x, normal.y, normal.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z});
       spelled.uint16(0);
     });
+    spelled.flush();
   };
   spelling.use = [&](const Item&, const Mesh&, std::string_view bytes) -> std::optional<std::string> {
     out.bytes(bytes);
     report();
     return std::nullopt;
   };
-  return meshes.forEachSpelled(spelling);
+  auto problem = meshes.forEachSpelled(spelling);
+  out.flush();
+  return problem;
 }
 
 }  // namespace espalier::turtle

@@ -342,6 +342,7 @@ std::optional<std::string> exportUsda(const PlacedScenes& placed, const ExportTa
   std::set<std::string> written;
   writer.writePictures(written);
   out << "}\n";
+  out.flush();
   return std::nullopt;
 }
 

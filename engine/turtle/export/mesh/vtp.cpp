@@ -217,6 +217,7 @@ std::optional<std::string> exportVtk(VtkKind kind, const PlacedScenes& placed, c
   });
   piece.write(kind, out);
   out << "</" << name << ">\n</VTKFile>\n";
+  out.flush();
   return problem;
 }
 

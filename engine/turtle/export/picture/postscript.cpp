@@ -64,15 +64,14 @@ void PostScriptWriter::writeHead(int lineCap) {
 }
 
 void PostScriptWriter::writeColour(const Colour& colour) {
-  core::StringSink sink;
-  {
-    TextOutput text(sink);
-    for (const unsigned char channel : {colour.red, colour.green, colour.blue}) {
-      text.number(channel / 255.0, 3) << ' ';
-    }
+  std::string channels;
+  TextOutput text(channels);
+  for (const unsigned char channel : {colour.red, colour.green, colour.blue}) {
+    text.number(channel / 255.0, 3) << ' ';
   }
-  if (sink.text() != colour_) {
-    colour_ = sink.take();
+  text.flush();
+  if (channels != colour_) {
+    colour_ = std::move(channels);
     out_ << colour_ << "c\n";
   }
 }
@@ -157,6 +156,7 @@ void writePostScript(const Scene& scene, const files::ViewSettings& view, const 
     writer.writeShape(shape);
   }
   out << "grestore\nshowpage\n%%EOF\n";
+  out.flush();
 }
 
 }  // namespace espalier::turtle

@@ -22,12 +22,11 @@ void writeHex(const Colour& colour, TextOutput& out) {
 }
 
 std::string gradientName(const Colour& colour) {
-  core::StringSink sink;
-  {
-    TextOutput out(sink);
-    writeHex(colour, out);
-  }
-  return "s" + sink.text().substr(1);
+  std::string hex;
+  TextOutput out(hex);
+  writeHex(colour, out);
+  out.flush();
+  return "s" + hex.substr(1);
 }
 
 void writeEscaped(std::string_view text, TextOutput& out) {
@@ -231,6 +230,7 @@ void writeSvg(const Scene& scene, const files::ViewSettings& view, const SvgOpti
     writer.writeShape(shape);
   }
   out << "</svg>\n";
+  out.flush();
 }
 
 }  // namespace espalier::turtle

@@ -63,7 +63,7 @@ std::optional<std::string> writeModuleTable(const ExportInput& input, const Expo
   std::vector<std::uint64_t> axes{kNone};  // the last module of each open axis
   std::uint32_t plant = 0;
   std::string line;
-  return walkStrings(input, target.progress, [&](const VisitedModule& module) {
+  auto problem = walkStrings(input, target.progress, [&](const VisitedModule& module) {
     if (module.plant != plant) {
       plant = module.plant;
       axes.assign(1, kNone);
@@ -94,6 +94,8 @@ std::optional<std::string> writeModuleTable(const ExportInput& input, const Expo
       axes.back() = module.index;
     }
   });
+  out.flush();
+  return problem;
 }
 
 std::optional<std::string> writeStrings(const ExportInput& input, const ExportTarget& target) {

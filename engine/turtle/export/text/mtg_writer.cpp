@@ -90,7 +90,10 @@ class MtgWriter {
   void writeHead();
   void add(const VisitedModule& module);
   void finishPlant();
-  void writeEnd() { out_ << kMtgEnd << '\n'; }
+  void writeEnd() {
+    out_ << kMtgEnd << '\n';
+    out_.flush();
+  }
 
  private:
   void writeEntity(const std::string& entityClass, const VisitedModule* module);

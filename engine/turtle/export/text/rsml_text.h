@@ -24,7 +24,10 @@ class RsmlText {
   explicit RsmlText(core::ByteSink& sink) : out_(sink) {}
 
   void beginScene(const RsmlFacts& facts);
-  void endScene() { out_ << "</scene>\n</rsml>\n"; }
+  void endScene() {
+    out_ << "</scene>\n</rsml>\n";
+    out_.flush();
+  }
 
   /// A label that is empty is left out.
   void beginPlant(std::string_view id, std::string_view label);
