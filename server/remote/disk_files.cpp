@@ -60,7 +60,8 @@ std::string temporaryNameFor(const std::string& name) {
 
 // a device, a pipe or a name that stands for an open file, which a rename would replace
 bool isSpecial(const std::string& name) {
-  if (name.starts_with("/dev/") || name.starts_with("/proc/")) {
+  // not all of /dev: /dev/shm holds plain files
+  if (name.starts_with("/dev/std") || name.starts_with("/dev/fd/") || name.starts_with("/proc/")) {
     return true;
   }
   std::error_code error;

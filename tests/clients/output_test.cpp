@@ -91,6 +91,20 @@ TEST_F(Output, StandardOutputCanBeWrittenTo) {
   const ProgramRun result = run("run tree.l --format string -o /dev/stdout --quiet");
   EXPECT_EQ(result.status, 0) << result.errors;
   EXPECT_EQ(result.output, run("derive tree.l").output);
+  // also where it leads to a file, which keeps what was in it
+  folder_.write("log", "before\n");
+  EXPECT_EQ(run("run tree.l --format string -o /dev/stdout --quiet >>log; exit $?").status, 0);
+  EXPECT_EQ(folder_.read("log"), "before\n" + result.output);
+}
+
+TEST_F(Output, SharedMemoryHoldsPlainFiles) {
+  const std::string name = "/dev/shm/espalier-test-" + std::to_string(::getpid()) + ".svg";
+  if (!fs::is_directory("/dev/shm")) {
+    GTEST_SKIP() << "this system has no /dev/shm";
+  }
+  const ProgramRun result = run("run tree.l -o " + name + " --quiet");
+  EXPECT_EQ(result.status, 0) << result.errors;
+  EXPECT_TRUE(fs::remove(name));
 }
 
 TEST_F(Output, SizesAndColoursAreChecked) {
