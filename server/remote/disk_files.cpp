@@ -69,17 +69,38 @@ bool isSpecial(const std::string& name) {
   return !error && std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
 }
 
+// the file that links lead to: a rename would replace a link
+std::string behindLinks(const std::string& name) {
+  constexpr int kMostLinks = 40;  // as many as the system follows
+  std::filesystem::path at = name;
+  std::error_code error;
+  for (int i = 0; i < kMostLinks && !isSpecial(at.string()) && std::filesystem::is_symlink(at, error); ++i) {
+    // an absolute target replaces the folder
+    at = at.parent_path() / std::filesystem::read_symlink(at, error);
+  }
+  return at.string();
+}
+
 }  // namespace
 
-AtomicFile::AtomicFile(std::string name) : name_(std::move(name)) {
-  const bool isDirect = isSpecial(name_);
+AtomicFile::AtomicFile(std::string name) : name_(std::move(name)), place_(behindLinks(name_)) {
+  const bool isDirect = isSpecial(place_);
   if (!isDirect) {
-    temporary_.emplace(temporaryNameFor(name_));
+    temporary_.emplace(temporaryNameFor(place_));
   }
-  const std::string& opened = isDirect ? name_ : temporary_->name();
+  struct stat old {};
+  const bool isReplaced = !isDirect && ::stat(place_.c_str(), &old) == 0;
+  if (isReplaced && ::access(place_.c_str(), W_OK) != 0) {
+    failure_ = errno;  // a rename would ask for the folder's permission only
+    return;
+  }
+  const std::string& opened = isDirect ? place_ : temporary_->name();
   const int flags = O_WRONLY | O_CLOEXEC | (isDirect ? O_APPEND : O_CREAT | O_TRUNC);
   descriptor_ = ::open(opened.c_str(), flags, 0666);
   failure_ = descriptor_ < 0 ? errno : 0;
+  if (isReplaced && descriptor_ >= 0) {
+    (void)::fchmod(descriptor_, old.st_mode & 0777U);  // a disk without permissions has none to keep
+  }
 }
 
 AtomicFile::~AtomicFile() {
@@ -127,7 +148,7 @@ std::optional<std::string> AtomicFile::finish() {
 std::optional<std::string> AtomicFile::commit() {
   static_cast<void>(finish());
   if (failure_ == 0 && temporary_) {
-    failure_ = temporary_->complete(name_);
+    failure_ = temporary_->complete(place_);
     if (failure_ == 0) {
       temporary_.reset();
     }

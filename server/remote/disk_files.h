@@ -20,8 +20,9 @@ class DiskFileProvider final : public core::FileProvider {
 };
 
 /// A file that is written piece by piece and appears under its name only when it is complete. It writes a temporary
-/// file in the same folder and renames it. A device such as /dev/stdout is written directly. A file that is never
-/// committed leaves nothing behind (PartialFile).
+/// file in the same folder and renames it. The name may be a link, which stays; a file that was there gives its
+/// permissions to the new one. A device such as /dev/stdout is written directly. A file that is never committed leaves
+/// nothing behind (PartialFile).
 class AtomicFile final : public core::ByteSink {
  public:
   explicit AtomicFile(std::string name);
@@ -42,6 +43,7 @@ class AtomicFile final : public core::ByteSink {
 
  private:
   std::string name_;
+  std::string place_;                     // behind all links
   std::optional<PartialFile> temporary_;  // none: written directly, or committed
   int descriptor_ = -1;
   int failure_ = 0;  // errno of the first failure

@@ -1,6 +1,7 @@
 #include "server/remote/disk_files.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -18,6 +19,46 @@ TEST(DiskFiles, ReadsBackWhatWasWrittenAndLeavesNoTemporaryFile) {
   EXPECT_EQ(DiskFileProvider().read(name), content + content);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator()),
             1);
+}
+
+TEST(DiskFiles, LinksStayAndTheirFilesAreWritten) {
+  const TemporaryFolder folder;
+  const std::filesystem::path at = folder.path();
+  std::filesystem::create_directory(at / "runs");
+  ASSERT_EQ(writeFileAtomically(at / "runs/one", "old"), std::nullopt);
+  std::filesystem::create_symlink("runs/one", at / "latest");
+  std::filesystem::create_symlink(at / "latest", at / "runs/newest");
+  std::filesystem::create_symlink("runs/two", at / "next");
+  EXPECT_EQ(writeFileAtomically(at / "runs/newest", "new"), std::nullopt);
+  EXPECT_EQ(writeFileAtomically(at / "next", "two"), std::nullopt);
+  EXPECT_TRUE(std::filesystem::is_symlink(at / "latest"));
+  EXPECT_TRUE(std::filesystem::is_symlink(at / "runs/newest"));
+  EXPECT_TRUE(std::filesystem::is_symlink(at / "next"));
+  EXPECT_FALSE(std::filesystem::is_symlink(at / "runs/one"));
+  EXPECT_EQ(DiskFileProvider().read(at / "runs/one"), "new");
+  EXPECT_EQ(DiskFileProvider().read(at / "runs/two"), "two");
+  // a link to nowhere: the folder of its file does not exist
+  std::filesystem::create_symlink("none/three", at / "broken");
+  const auto problem = writeFileAtomically(at / "broken", "three");
+  ASSERT_TRUE(problem);
+  EXPECT_EQ(problem->find("cannot write '" + (at / "broken").string() + "': No such file or directory."), 0U)
+      << *problem;
+}
+
+TEST(DiskFiles, AFileThatIsWrittenAnewKeepsItsPermissions) {
+  const TemporaryFolder folder;
+  const std::filesystem::path name = std::filesystem::path(folder.path()) / "a";
+  using std::filesystem::perms;
+  ASSERT_EQ(writeFileAtomically(name, "old"), std::nullopt);
+  const perms shared = perms::owner_read | perms::owner_write | perms::group_read | perms::group_write;
+  std::filesystem::permissions(name, shared);
+  EXPECT_EQ(writeFileAtomically(name, "new"), std::nullopt);
+  EXPECT_EQ(std::filesystem::status(name).permissions(), shared);
+  if (::geteuid() != 0) {
+    std::filesystem::permissions(name, perms::owner_read);
+    EXPECT_NE(writeFileAtomically(name, "newer"), std::nullopt);
+    EXPECT_EQ(DiskFileProvider().read(name), "new");
+  }
 }
 
 TEST(DiskFiles, WhatCannotBeReadIsNothing) {
