@@ -89,7 +89,12 @@ AtomicFile::AtomicFile(std::string name) : name_(std::move(name)), place_(behind
     temporary_.emplace(temporaryNameFor(place_));
   }
   struct stat old {};
-  const bool isReplaced = !isDirect && ::stat(place_.c_str(), &old) == 0;
+  // by the given name: the system follows no link that a stranger has put into a folder of all, such as /tmp
+  const bool isReplaced = !isDirect && ::stat(name_.c_str(), &old) == 0;
+  if (!isDirect && !isReplaced && errno != ENOENT) {
+    failure_ = errno;
+    return;
+  }
   if (isReplaced && ::access(place_.c_str(), W_OK) != 0) {
     failure_ = errno;  // a rename would ask for the folder's permission only
     return;

@@ -43,6 +43,11 @@ TEST(DiskFiles, LinksStayAndTheirFilesAreWritten) {
   ASSERT_TRUE(problem);
   EXPECT_EQ(problem->find("cannot write '" + (at / "broken").string() + "': No such file or directory."), 0U)
       << *problem;
+  // links in a circle
+  std::filesystem::create_symlink("left", at / "right");
+  std::filesystem::create_symlink("right", at / "left");
+  EXPECT_NE(writeFileAtomically(at / "left", "four"), std::nullopt);
+  EXPECT_TRUE(std::filesystem::is_symlink(at / "left"));
 }
 
 TEST(DiskFiles, AFileThatIsWrittenAnewKeepsItsPermissions) {
