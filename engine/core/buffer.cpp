@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <stop_token>
+#include <system_error>
 
 #include "engine/core/work_meter.h"
 
@@ -15,6 +17,8 @@ namespace {
 // below this a block comes from the heap: a mapping costs a system call and a whole huge page. In a virtual machine a
 // page of 4 KB costs 5 to 25 us at its first touch, a huge page 200
 constexpr std::size_t kMappedBytes = std::size_t{1} << 19U;
+
+constexpr std::size_t kSharedBytes = std::size_t{32} << 20U;  // that are worth a thread to touch them
 
 std::size_t mappedSize(std::size_t byteCount) {
   return (byteCount + kHugePageBytes - 1) & ~(kHugePageBytes - 1);
@@ -91,6 +95,28 @@ void populatePages(void* memory, std::size_t byteCount) noexcept {
   static_cast<void>(memory);
   static_cast<void>(byteCount);
 #endif
+}
+
+std::jthread populatePagesFromEnd(void* memory, std::size_t byteCount) noexcept {
+  if (byteCount < kSharedBytes) {
+    return {};
+  }
+  // the whole huge pages of the block
+  const auto address = reinterpret_cast<std::uintptr_t>(memory);
+  const std::size_t before = (kHugePageBytes - address % kHugePageBytes) % kHugePageBytes;
+  char* const begin = static_cast<char*>(memory) + before;
+  const std::size_t pages = (byteCount - before) / kHugePageBytes;
+  try {
+    return std::jthread([begin, pages](const std::stop_token& stop) {
+      for (std::size_t page = pages; page-- > 0 && !stop.stop_requested();) {
+        populatePages(begin + page * kHugePageBytes, kHugePageBytes);
+      }
+    });
+  } catch (const std::system_error&) {
+    return {};
+  } catch (const std::bad_alloc&) {
+    return {};
+  }
 }
 
 void unmapPages(void* memory, std::size_t byteCount) noexcept {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <thread>
 #include <type_traits>
 #include <utility>
 
@@ -23,6 +24,10 @@ void unmapPages(void* memory, std::size_t byteCount) noexcept;
 /// Touches pages of a large block without changing their contents. Address and size are whole huge pages, or reach to
 /// the block's end. Does nothing where the system cannot do it.
 void populatePages(void* memory, std::size_t byteCount) noexcept;
+/// Starts a thread that touches the pages of any block without changing their contents, the last ones first, while the
+/// caller writes from the front: each waits for other pages. It ends with its object. Starts none when the block is too
+/// small to gain, or when no thread can be had.
+[[nodiscard]] std::jthread populatePagesFromEnd(void* memory, std::size_t byteCount) noexcept;
 
 /// Asks for huge pages for memory of another allocator, before its first use. This is only advice: the system may
 /// ignore it.

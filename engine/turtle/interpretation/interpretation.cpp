@@ -72,7 +72,7 @@ Interpretation::Interpretation(const Subject& subject, const InterpretationOutpu
 
 void Interpretation::run() {
   derivation_.beginInterpretation(plantState_);
-  reserveOutput();
+  const std::jthread firstTouch = reserveOutput();
   walkAll();
   derivation_.endInterpretation(plantState_);
   drawing_.finish();
@@ -125,11 +125,12 @@ void Interpretation::walkAll() {
   walk(module, plantState_.string.size(), offset);
 }
 
-void Interpretation::reserveOutput() {
+// returns the thread that touches the new memory
+std::jthread Interpretation::reserveOutput() {
   // images and cuts make the output unlike the string; queries are collected into the same memory in every step
   if (tables_.hasImages || tables_.hasCut || plantState_.string.size() < kSmallestReserved ||
       (output_.scene == nullptr && output_.records == nullptr)) {
-    return;
+    return {};
   }
   std::size_t segments = 0;
   std::size_t records = 0;
@@ -139,12 +140,16 @@ void Interpretation::reserveOutput() {
     records += (adds & InterpretationTables::kRecord) / InterpretationTables::kRecord;
   }
   // grown at least by half, so that many plants do not copy one another again and again
-  const auto reserve = [](auto& list, std::size_t count) {
+  std::jthread firstTouch;
+  const auto reserve = [&](auto& list, std::size_t count) {
     if (list.size() + count <= list.capacity()) {
       return;
     }
     list.reserve(std::max(list.size() + count, list.capacity() + list.capacity() / 2));
     core::adviseHugePages(list.data() + list.size(), (list.capacity() - list.size()) * sizeof(list[0]));
+    if (derivation_.options().threads > 1) {
+      firstTouch = core::populatePagesFromEnd(list.data() + list.size(), count * sizeof(list[0]));
+    }
   };
   if (output_.scene != nullptr) {
     reserve(output_.scene->segments, segments);
@@ -152,6 +157,7 @@ void Interpretation::reserveOutput() {
   if (output_.records != nullptr) {
     reserve(*output_.records, records);
   }
+  return firstTouch;
 }
 
 void Interpretation::walk(std::uint64_t& module, std::uint64_t end, std::uint64_t& firstOffset) {

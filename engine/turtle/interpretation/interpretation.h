@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "engine/turtle/interpretation/branch_parts.h"
@@ -116,7 +117,7 @@ class Interpretation {
   };
 
   // the walk
-  void reserveOutput();
+  [[nodiscard]] std::jthread reserveOutput();
   void walk(std::uint64_t& module, std::uint64_t end, std::uint64_t& offset);
   void walkAll();
   void walkImage();

@@ -5,7 +5,9 @@
 #include <array>
 #include <cstdint>
 #include <new>
+#include <thread>
 #include <utility>
+#include <vector>
 
 namespace espalier::core::buffer_test {
 namespace {
@@ -73,6 +75,23 @@ TEST(Buffer, PopulatingPagesChangesNothing) {
   populatePages(buffer.data(), buffer.capacity() * sizeof(std::uint64_t));
   EXPECT_EQ(buffer[0], 0U);
   EXPECT_EQ(buffer[999'999], 3U);
+}
+
+TEST(Buffer, AThreadTouchesPagesFromTheEndAndChangesNothing) {
+  std::vector<std::uint64_t> list;
+  constexpr std::size_t kCount = 10'000'000;  // 80 MB
+  list.reserve(kCount);
+  {
+    const std::jthread touching = populatePagesFromEnd(list.data(), kCount * sizeof(std::uint64_t));
+    EXPECT_TRUE(touching.joinable());
+    for (std::size_t i = 0; i < kCount; ++i) {
+      list.push_back(i);
+    }
+  }
+  for (std::size_t i = 0; i < kCount; ++i) {
+    ASSERT_EQ(list[i], i);
+  }
+  EXPECT_FALSE(populatePagesFromEnd(list.data(), 1'000'000).joinable()) << "not worth a thread";
 }
 
 TEST(Buffer, ImpossibleSizesThrowBadAlloc) {
