@@ -371,14 +371,16 @@ TubeCircle tubeCircle(int sides) {
   return circle;
 }
 
-void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, const TubeCircle& circle, double ratio) {
+void appendTube(Mesh& mesh, const Tube& tube, const TubeCircle& circle, double ratio) {
+  const std::vector<TubeRing>& rings = tube.rings;
   if (rings.size() < 2) {
     return;
   }
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const auto columns = static_cast<std::uint32_t>(circle.size() - 1);
   std::size_t vertex = first;
-  appendVertices(mesh, rings.size() * circle.size() + 2 * std::size_t{columns});
+  const std::size_t ends = (tube.isOpenAtStart ? 0U : 1U) + (tube.isOpenAtEnd ? 0U : 1U);
+  appendVertices(mesh, rings.size() * circle.size() + ends * columns);
   mesh.vertexSegments.resize(mesh.positions.size());
   const auto set = [&](const TubeRing& ring, std::uint32_t corner, const Vec3& unitNormal, double u, double v) {
     const auto [c, s] = circle[corner];
@@ -399,6 +401,9 @@ void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, const TubeCircle
   appendGridFaces(mesh, first, static_cast<std::uint32_t>(rings.size() - 1), columns);
   // flat ends, with vertices of their own for their normals
   for (const bool isEnd : {false, true}) {
+    if (isEnd ? tube.isOpenAtEnd : tube.isOpenAtStart) {
+      continue;
+    }
     const TubeRing& ring = isEnd ? rings.back() : rings.front();
     const Vec3 outward = unitOrUp(core::cross(ring.normalUp, ring.normalSide) * (isEnd ? 1.0 : -1.0));
     const auto rim = static_cast<std::uint32_t>(vertex);

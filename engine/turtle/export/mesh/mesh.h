@@ -81,13 +81,20 @@ struct TubeRing {
   std::uint32_t segment = 0;  // that ends here, an index into Scene::segments; of the first ring: that begins here
 };
 
+/// A tube through rings. Where it goes on as the tube of another mesh with the same ring, it is open.
+struct Tube {
+  std::vector<TubeRing> rings;
+  bool isOpenAtStart = false;
+  bool isOpenAtEnd = false;
+};
+
 /// Cosine and sine of the corners of a tube (sides + 1); the last are the first again.
 using TubeCircle = std::vector<std::array<double, 2>>;
 [[nodiscard]] TubeCircle tubeCircle(int sides);
 
-/// A tube through rings with shared vertices, closed at both ends by flat caps. `ratio` above 0: the second texture
+/// A tube with shared vertices; flat caps close the ends that are not open. `ratio` above 0: the second texture
 /// coordinate counts pictures of that height by the tube's circumference; else lengths.
-void appendTube(Mesh& mesh, const std::vector<TubeRing>& rings, const TubeCircle& circle, double ratio = 0.0);
+void appendTube(Mesh& mesh, const Tube& tube, const TubeCircle& circle, double ratio = 0.0);
 
 /// Consecutive stretches of a generalized cylinder that have one colour. A stretch is a piece of its curve; its colour
 /// is that of the control point where it ends.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <deque>
+#include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -11,8 +13,10 @@ namespace espalier::turtle {
 namespace {
 
 constexpr std::size_t kTaskMeshes = 8;
-// Few are held at a time: the memory that they touch is used again, and stays in the cache.
-constexpr std::size_t kSlotsPerThread = 16;
+constexpr std::size_t kTasksPerThread = 2;  // that may be held whatever their size
+// So much may wait while a thread writes the indices of a long piece of a file, so that the others have work. Mostly
+// few tasks wait: the memory that was touched last is used again, and stays in the cache.
+constexpr std::size_t kHeldBytes = 32 << 20;
 
 /// Meshes that one thread makes and spells one after the other.
 struct MeshTask {
@@ -48,6 +52,17 @@ struct MeshTask {
     }
   }
 
+  /// About; to be asked after `spell`.
+  [[nodiscard]] std::size_t heldBytes() const {
+    std::size_t sum = bytes.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      const Mesh& mesh = meshes[k];
+      sum += mesh.positions.size() * (2 * sizeof(core::Vec3) + sizeof(mesh.coordinates[0])) +
+             mesh.vertexSegments.size() * sizeof(mesh.vertexSegments[0]) + mesh.faces.size() * sizeof(mesh.faces[0]);
+    }
+    return sum;
+  }
+
   [[nodiscard]] std::optional<std::string> use(const MeshWork& work) const {
     std::size_t begin = 0;
     for (std::size_t k = 0; k < count; ++k) {
@@ -63,15 +78,15 @@ struct MeshTask {
   }
 };
 
-/// Tasks on their way from `make` to `use`. They lie in a ring: a task begins when the one that had its slot is used.
-/// Each thread takes the piece of work that brings the oldest task forward. It waits only when nothing can be done.
+/// Tasks on their way from `make` to `use`. Each thread takes the piece of work that brings the oldest task forward. It
+/// waits only when nothing can be done, or when too much is held.
 class MeshPipeline {
  public:
   MeshPipeline(std::size_t meshCount, const MeshWork& work, unsigned threads)
       : meshCount_(meshCount),
         taskCount_((meshCount + kTaskMeshes - 1) / kTaskMeshes),
         work_(work),
-        slots_(std::min(taskCount_, threads == 1 ? 1 : threads * kSlotsPerThread)) {}
+        freelyHeld_(threads == 1 ? 1 : threads * kTasksPerThread) {}
 
   /// To be called by every thread. Returns when all tasks are used or one has failed. Throws what the work throws.
   void help() {
@@ -95,11 +110,15 @@ class MeshPipeline {
  private:
   struct Slot {
     MeshTask task;
+    std::size_t heldBytes = 0;
     bool isMade = false;
     bool isSpelled = false;
   };
 
-  [[nodiscard]] Slot& slotOf(std::size_t task) { return slots_[task % slots_.size()]; }
+  [[nodiscard]] Slot& slotOf(std::size_t task) { return *slots_[task - used_]; }
+  [[nodiscard]] bool mayMake() const {
+    return toMake_ < taskCount_ && (slots_.size() < freelyHeld_ || heldBytes_ < kHeldBytes);
+  }
 
   // does one piece of work; when there is none, waits until another thread has done one
   void takePiece(std::unique_lock<std::mutex>& lock) {
@@ -107,7 +126,7 @@ class MeshPipeline {
       use(lock);
     } else if (toSpell_ < toNumber_) {
       spell(lock);
-    } else if (toMake_ < taskCount_ && toMake_ < used_ + slots_.size()) {
+    } else if (mayMake()) {
       make(lock);
     } else {
       changed_.wait(lock);
@@ -117,8 +136,13 @@ class MeshPipeline {
   }
 
   void make(std::unique_lock<std::mutex>& lock) {
+    if (free_.empty()) {
+      free_.push_back(std::make_unique<Slot>());
+    }
+    slots_.push_back(std::move(free_.back()));
+    free_.pop_back();
     const std::size_t number = toMake_++;
-    Slot& slot = slotOf(number);
+    Slot& slot = *slots_.back();
     slot.isMade = slot.isSpelled = false;
     lock.unlock();
     slot.task.first = number * kTaskMeshes;
@@ -136,7 +160,10 @@ class MeshPipeline {
     Slot& slot = slotOf(toSpell_++);
     lock.unlock();
     slot.task.spell(work_);
+    const std::size_t held = slot.task.heldBytes();
     lock.lock();
+    slot.heldBytes = held;
+    heldBytes_ += held;
     slot.isSpelled = true;
   }
 
@@ -147,6 +174,9 @@ class MeshPipeline {
     auto problem = slot.task.use(work_);
     lock.lock();
     isUsing_ = false;
+    heldBytes_ -= slot.heldBytes;
+    free_.push_back(std::move(slots_.front()));
+    slots_.pop_front();
     ++used_;
     if (problem) {
       problem_ = std::move(problem);
@@ -162,14 +192,17 @@ class MeshPipeline {
   const std::size_t meshCount_;
   const std::size_t taskCount_;
   const MeshWork& work_;
-  std::mutex mutex_;  // of everything below; a task belongs to the thread that makes, spells or uses it
+  const std::size_t freelyHeld_;  // tasks
+  std::mutex mutex_;              // of everything below; a task belongs to the thread that makes, spells or uses it
   std::condition_variable changed_;
-  std::vector<Slot> slots_;
-  std::size_t toMake_ = 0;    // the tasks below it are made, or a thread makes them
-  std::size_t toNumber_ = 0;  // the tasks below it are numbered
-  std::size_t toSpell_ = 0;   // the tasks below it are spelled, or a thread spells them
-  std::size_t used_ = 0;      // the tasks below it are used
-  bool isUsing_ = false;      // a thread uses the task `used_`
+  std::deque<std::unique_ptr<Slot>> slots_;  // of the tasks from `used_` to `toMake_`
+  std::vector<std::unique_ptr<Slot>> free_;  // the last one was used last
+  std::size_t heldBytes_ = 0;                // of the spelled tasks
+  std::size_t toMake_ = 0;                   // the tasks below it are made, or a thread makes them
+  std::size_t toNumber_ = 0;                 // the tasks below it are numbered
+  std::size_t toSpell_ = 0;                  // the tasks below it are spelled, or a thread spells them
+  std::size_t used_ = 0;                     // the tasks below it are used
+  bool isUsing_ = false;                     // a thread uses the task `used_`
   bool isStopped_ = false;
   std::optional<std::string> problem_;
 };

@@ -28,9 +28,9 @@ struct MeshWork {
 };
 
 /// Does the work on `count` meshes. The output does not depend on the threads: while one thread uses a mesh, the others
-/// make the next. Of each thread 128 meshes are in memory (8 when there is one thread). Stops at a sentence, which is
-/// returned: the first of the meshes in their order. Throws what the work throws; when several threads fail, it is not
-/// determined which failure ends the work.
+/// make the next. About 32 MB of meshes and bytes wait for the thread that uses them, or 16 meshes of each thread; with
+/// one thread 8 meshes are in memory. Stops at a sentence, which is returned: the first of the meshes in their order.
+/// Throws what the work throws; when several threads fail, it is not determined which failure ends the work.
 [[nodiscard]] std::optional<std::string> forMeshes(core::WorkerTeam& team, std::size_t count, const MeshWork& work);
 
 }  // namespace espalier::turtle

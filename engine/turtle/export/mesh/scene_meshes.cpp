@@ -49,8 +49,8 @@ SceneMeshes::SceneMeshes(const ExportInput& input, MaterialTable& materials, boo
       scene_(input.scene),
       view_(input.view),
       palette_(input.scene, input.view, input.palette),
-      chains_(chainsOf(input.scene, palette_)),
       look_(meshLineLookOf(input.scene, input.view)),
+      chains_(chainsOf(input.scene, palette_, look_)),
       detail_(input.detail),
       sides_(atDetail(std::clamp(input.view.contourSides, 3, 64), input.detail, 3)),
       circle_(tubeCircle(sides_)),
@@ -201,7 +201,7 @@ void SceneMeshes::fill(const MeshPart& part, Mesh& mesh) const {
   switch (part.kind) {
     case OrganKind::Branch: {
       const files::Texture* const texture = textureOf(scene_.segments[part.index].texture);
-      appendTube(mesh, ringsOf(scene_, palette_, chains_, part.index, look_), circle_,
+      appendTube(mesh, tubeOf(scene_, palette_, chains_, part.index, look_), circle_,
                  texture != nullptr ? texture->ratio : 0.0);
       return;
     }

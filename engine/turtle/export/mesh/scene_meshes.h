@@ -88,13 +88,13 @@ class SceneMeshes {
   const Scene& scene_;
   const files::ViewSettings& view_;
   Palette palette_;
+  LineLook look_;
   SegmentChains chains_;
   std::vector<MeshPart> parts_;
   // by part: none of its faces was near to having no area, so that they need not be looked at when it is made again
   std::unique_ptr<std::atomic<bool>[]> hasPlainFaces_;
   // surfaces, triangle surfaces, sphere, disc, then surfaces again with texture coordinates over the whole of each
   std::vector<Mesh> shared_;
-  LineLook look_;
   double detail_ = 1.0;  // factor of the numbers of sides and subdivisions
   int sides_ = 8;        // around tubes
   TubeCircle circle_;    // of so many sides

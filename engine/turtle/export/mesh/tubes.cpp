@@ -266,6 +266,36 @@ void continueForks(const std::vector<Segment>& segments, double sharpestJoint, s
   }
 }
 
+// begins the tube of a chain; whether it is open there
+bool beginChain(const Scene& scene, const SegmentChains& chains, const Limb& limb, RingBuilder& builder) {
+  const auto found = chains.continuations.find(limb.index);
+  if (found == chains.continuations.end()) {
+    builder.begin(limb);
+    return false;
+  }
+  builder.beginAfter(scene.segments[limb.index].parent, limb, found->second);
+  return found->second.isOpen;
+}
+
+// the frame at the end of a chain that another one continues, from its last segment and the number of those before it
+SegmentChains::Continuation carriedAlong(const Scene& scene, const SegmentChains& chains, const LineLook& look,
+                                         std::uint32_t last, std::uint32_t before) {
+  std::uint32_t head = last;
+  for (std::uint32_t i = 0; i < before; ++i) {
+    head = scene.segments[head].parent;
+  }
+  RingBuilder builder(scene, look);
+  Limb limb = builder.limbOf(head);
+  beginChain(scene, chains, limb, builder);
+  while (limb.index != last) {
+    const Limb after = builder.limbOf(chains.next[limb.index]);
+    builder.joint(limb, after);
+    builder.dropRings();
+    limb = after;
+  }
+  return builder.continuation();
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> continuationsOf(const Scene& scene, double sharpestJoint) {
@@ -286,74 +316,54 @@ std::vector<std::uint32_t> continuationsOf(const Scene& scene, double sharpestJo
   return next;
 }
 
-SegmentChains chainsOf(const Scene& scene, const Palette& palette) {
+SegmentChains chainsOf(const Scene& scene, const Palette& palette, const LineLook& look) {
   SegmentChains chains;
   const std::vector<Segment>& segments = scene.segments;
   chains.next = continuationsOf(scene, kSharpestJoint);
-  bool hasSeveralLooks = false;
+  std::vector<std::uint32_t> places(segments.size(), 0);  // of each segment in its chain
   for (std::uint32_t i = 0; i < segments.size(); ++i) {
     const std::uint32_t parent = segments[i].parent;
     const bool joins = parent < i && chains.next[parent] == i;
-    if (!joins || !looksAlike(palette, segments[parent], segments[i])) {
-      hasSeveralLooks = hasSeveralLooks || joins;
-      chains.heads.push_back(i);
-    }
-  }
-  if (!hasSeveralLooks) {
-    return chains;
-  }
-  // carry the frame along each axis to where its look changes
-  std::vector<bool> isContinued(segments.size(), false);
-  for (const std::uint32_t next : chains.next) {
-    if (next != kNoParent) {
-      isContinued[next] = true;
-    }
-  }
-  for (const std::uint32_t head : chains.heads) {
-    if (isContinued[head]) {
+    const bool isAlike = joins && looksAlike(palette, segments[parent], segments[i]);
+    if (isAlike && places[parent] + 1 < kLongestChain) {
+      places[i] = places[parent] + 1;
       continue;
     }
-    RingBuilder builder(scene, {});
-    Limb limb = builder.limbOf(head);
-    builder.begin(limb);
-    for (std::uint32_t next = chains.next[head]; next != kNoParent; next = chains.next[next]) {
-      if (!looksAlike(palette, segments[limb.index], segments[next])) {
-        chains.continuations.emplace(next, builder.continuation());
-      }
-      const Limb after = builder.limbOf(next);
-      builder.joint(limb, after);
-      builder.dropRings();
-      limb = after;
+    chains.heads.push_back(i);
+    if (joins) {
+      SegmentChains::Continuation continuation = carriedAlong(scene, chains, look, parent, places[parent]);
+      continuation.isOpen = isAlike;
+      chains.continuations.emplace(i, continuation);
     }
   }
   return chains;
 }
 
-std::vector<TubeRing> ringsOf(const Scene& scene, const Palette& palette, const SegmentChains& chains,
-                              std::uint32_t head, const LineLook& look) {
+Tube tubeOf(const Scene& scene, const Palette& palette, const SegmentChains& chains, std::uint32_t head,
+            const LineLook& look) {
   RingBuilder builder(scene, look);
   builder.reserve(kCommonRings);
   Limb limb = builder.limbOf(head);
-  if (const auto found = chains.continuations.find(head); found != chains.continuations.end()) {
-    builder.beginAfter(scene.segments[head].parent, limb, found->second);
-  } else {
-    builder.begin(limb);
-  }
-  while (true) {
+  Tube tube;
+  tube.isOpenAtStart = beginChain(scene, chains, limb, builder);
+  for (std::uint32_t place = 0;; ++place) {
     const std::uint32_t next = chains.next[limb.index];
     if (next == kNoParent) {
       builder.end(limb);
       break;
     }
     const Limb after = builder.limbOf(next);
-    if (!looksAlike(palette, scene.segments[limb.index], scene.segments[next])) {
+    const bool isAlike = looksAlike(palette, scene.segments[limb.index], scene.segments[next]);
+    if (!isAlike || place + 1 == kLongestChain) {
+      tube.isOpenAtEnd = isAlike;
       builder.endBefore(limb, after);
       break;
     }
     builder.joint(limb, after);
     limb = after;
   }
-  return builder.take();
+  tube.rings = builder.take();
+  return tube;
 }
 
 }  // namespace espalier::turtle

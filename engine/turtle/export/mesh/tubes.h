@@ -11,17 +11,22 @@
 
 namespace espalier::turtle {
 
+/// The segments of a chain, at most: the mesh of a long line is made in pieces, by several threads and in little
+/// memory.
+inline constexpr std::uint32_t kLongestChain = 64;
+
 /// The lines of a scene as chains: segments of one colour and texture that continue each other, from the base outward:
 /// on one axis, or where an axis ends in a fork from it into one of its limbs.
 struct SegmentChains {
   std::vector<std::uint32_t> heads;  // first segment of each chain, an index into Scene::segments (chainCount)
   std::vector<std::uint32_t> next;   // the segment that continues each one; kNoParent: none (segmentCount)
 
-  /// Where a chain goes on from another one of the same tube, of another colour or texture.
+  /// Where a chain goes on from another one of the same tube: one of another colour or texture, or of full length.
   struct Continuation {
-    core::Vec3 up;       // carried along the axis, normal to the segment before
-    double along = 0.0;  // length of the tube up to the segment before
-    double turns = 0.0;  // the same in circumferences
+    core::Vec3 up;        // carried along the axis, normal to the segment before
+    double along = 0.0;   // length of the tube up to the segment before
+    double turns = 0.0;   // the same in circumferences
+    bool isOpen = false;  // looks the same before and behind: no flat ends between them
   };
   std::unordered_map<std::uint32_t, Continuation> continuations;  // by head
 };
@@ -37,14 +42,14 @@ struct SegmentChains {
 inline constexpr double kCollarRadii = 2.0;
 
 /// Splits the lines of a scene into chains along continuationsOf, whatever the bend but back. O(segments).
-[[nodiscard]] SegmentChains chainsOf(const Scene& scene, const Palette& palette);
+[[nodiscard]] SegmentChains chainsOf(const Scene& scene, const Palette& palette, const LineLook& look);
 
-/// The rings of the tube of the chain that begins with segment `head`, turned with the least twist from ring to ring
+/// The tube of the chain that begins with segment `head`, turned with the least twist from ring to ring
 /// (along straight pieces the discrete rotation-minimising frame is parallel transport). At a bend of up to 60 degrees
 /// there is one oblique ring, the section of both pieces, so that neither gets thinner; sharper ones are elbows of
 /// several rings. At a fork the tube takes the limb's width over a short way. A branch that begins a tube does so in
 /// the plane between its parent and itself. Widths are those of `look`.
-[[nodiscard]] std::vector<TubeRing> ringsOf(const Scene& scene, const Palette& palette, const SegmentChains& chains,
-                                            std::uint32_t head, const LineLook& look);
+[[nodiscard]] Tube tubeOf(const Scene& scene, const Palette& palette, const SegmentChains& chains, std::uint32_t head,
+                          const LineLook& look);
 
 }  // namespace espalier::turtle

@@ -37,7 +37,7 @@ RasterGeometry::RasterGeometry(const Scene& scene, const files::ViewSettings& vi
   hasTubes_ = look_.style == files::LineStyle::Cylinder &&
               std::ranges::any_of(scene.segments, [](const Segment& segment) { return segment.texture > 0; });
   if (hasTubes_) {
-    chains_ = chainsOf(scene, palette);
+    chains_ = chainsOf(scene, palette, look_);
     tubeCircle_ = tubeCircle(std::clamp(view.contourSides, kLeastTubeSides, kMostTubeSides));
     std::ranges::copy_if(chains_.heads, std::back_inserter(tubes_),
                          [&](std::uint32_t head) { return scene.segments[head].texture > 0; });
@@ -119,7 +119,7 @@ void RasterGeometry::forMeshes(const Part& part, const ScenePlacement& placement
       return give({scene_.polygons[part.index].colour, 0});
     case Kind::Tube: {
       const Segment& head = scene_.segments[tubes_[part.index]];
-      appendTube(mesh, ringsOf(scene_, palette_, chains_, tubes_[part.index], look_), tubeCircle_,
+      appendTube(mesh, tubeOf(scene_, palette_, chains_, tubes_[part.index], look_), tubeCircle_,
                  view_.textures[static_cast<std::size_t>(head.texture) - 1].ratio);
       return give({head.colour, head.texture});
     }

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 namespace espalier::turtle {
@@ -105,6 +108,36 @@ TEST(MeshWork, UseCanEndTheWork) {
     EXPECT_EQ(forMeshes(team, kMeshCount, counted.work), "full");
     EXPECT_EQ(counted.used, firstNumbers(301));
   }
+}
+
+TEST(MeshWork, WhileOneThreadIsSlowToUseTheOthersGoOnAndTheirMeshesAreBounded) {
+  // each mesh has 1 MB; while the first is used, the others are made until about 32 MB are held
+  constexpr std::size_t kVertices = 20'000;
+  core::WorkerTeam team(2);
+  std::atomic<std::size_t> made = 0;
+  std::size_t used = 0;
+  std::size_t mostHeld = 0;
+  MeshWork work;
+  work.make = [&](std::size_t, Mesh& mesh) -> std::optional<std::string> {
+    mesh.positions.resize(kVertices);
+    mesh.normals.resize(kVertices);
+    ++made;
+    return std::nullopt;
+  };
+  work.use = [&](std::size_t i, const Mesh&, std::string_view) -> std::optional<std::string> {
+    if (i == 0) {
+      while (made < 24) {
+        std::this_thread::yield();
+      }
+    }
+    ++used;
+    mostHeld = std::max(mostHeld, made - used);
+    return std::nullopt;
+  };
+  EXPECT_EQ(forMeshes(team, 400, work), std::nullopt);
+  EXPECT_EQ(used, 400U);
+  // four tasks of eight meshes are held whatever their size
+  EXPECT_LE(mostHeld, 56U);
 }
 
 TEST(MeshWork, AnExceptionOfAnyPieceEndsTheWork) {

@@ -1,8 +1,10 @@
 #include "engine/turtle/export/mesh/scene_meshes.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "tests/engine/turtle/textured_view.h"
 #include "tests/engine/turtle/turtle_fixture.h"
 #include "tests/support/mesh_measures.h"
 
@@ -130,6 +132,66 @@ TEST(SceneMeshes, AChangeOfWidthOrColourOnAnAxisLeavesNoGap) {
   EXPECT_NEAR(pieces[1].coordinates[0][1], 2.0, 1e-12) << "the texture goes on along the axis";
 }
 
+TEST(SceneMeshes, ALongLineIsMadeInPiecesThatMeet) {
+  std::string string = "!(0.2);(3)";
+  for (std::uint32_t i = 0; i < 3 * kLongestChain + 5; ++i) {
+    // mitres, elbows, steps of width and rolls; the bends of neighbours cancel, so that the line does not cross itself
+    const std::array<std::string, 6> modules{"+(40)F", "-(40)F", "&(80)F", "^(80)F", "/(25)F", "!(0.2)F(1.5)"};
+    string += i % 6 == 5 && i % 12 == 11 ? "!(0.3)F" : modules[i % 6];
+  }
+  files::ViewSettings view = cylinderView(6);
+  view.hasTaperedLines = false;
+  const std::vector<Mesh> pieces = meshesOf(string, view);
+  ASSERT_EQ(pieces.size(), 4U);
+  Mesh whole;
+  double length = 0.0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    EXPECT_GT(measure(pieces[i]).openEdgeCount, 0U) << "a piece is open where it goes on";
+    append(whole, pieces[i]);
+    if (i == 0) {
+      continue;
+    }
+    // the vertices of a tube's rings come first, then those of its flat ends
+    const std::size_t end = pieces[i - 1].positions.size() - (i == 1 ? 6 : 0) - 7;
+    for (std::size_t k = 0; k < 7; ++k) {
+      EXPECT_EQ(pieces[i].positions[k], pieces[i - 1].positions[end + k]) << i;
+      EXPECT_EQ(pieces[i].normals[k], pieces[i - 1].normals[end + k]) << i;
+      EXPECT_EQ(pieces[i].coordinates[k], pieces[i - 1].coordinates[end + k]) << i;
+    }
+    EXPECT_GT(pieces[i].coordinates[0][1], length);
+    length = pieces[i].coordinates[0][1];
+  }
+  const MeshMeasures measures = measure(whole);
+  EXPECT_EQ(measures.openEdgeCount, 0U);
+  EXPECT_GT(measures.signedVolume, 0.0);
+}
+
+TEST(SceneMeshes, APieceOfALongLineKnowsTheModulesOfItsFaces) {
+  TurtleRun run(std::string(kLongestChain + 10, 'F'), cylinderView(5));
+  run.draw();
+  const ExportInput input{.scene = run.scene, .view = run.program.view};
+  MaterialTable materials;
+  const SceneMeshes meshes(input, materials);
+  ASSERT_EQ(meshes.parts().size(), 2U);
+  Mesh mesh;
+  for (std::uint64_t part = 0; part < 2; ++part) {
+    meshes.make(meshes.parts()[part], mesh);
+    EXPECT_EQ(meshes.provenanceOf(meshes.parts()[part], mesh, mesh.faces[0][2]).module, part * kLongestChain);
+  }
+  // behind the quads between the rings stand the three triangles of the flat end
+  EXPECT_EQ(meshes.provenanceOf(meshes.parts()[1], mesh, mesh.faces[10 * 5 - 1][2]).module, kLongestChain + 9);
+  EXPECT_EQ(mesh.faces.size(), 10U * 5 + 3);
+}
+
+TEST(SceneMeshes, ATextureGoesOnWhereTheColourChangesWhateverTheUnitOfWidths) {
+  files::ViewSettings view = texturedView();
+  view.lineStyle = files::LineStyle::Pixel;  // a width is a part of the scene's extent
+  const std::vector<Mesh> pieces = meshesOf("@Tx(1)!(2);(3)F(3)F(2);(4)F(3)", view);
+  ASSERT_EQ(pieces.size(), 2U);
+  const std::size_t sides = static_cast<std::size_t>(view.contourSides);
+  EXPECT_NEAR(pieces[1].coordinates[0][1], pieces[0].coordinates[2 * (sides + 1)][1], 1e-9);
+}
+
 TEST(SceneMeshes, TextureCoordinatesRunAroundAndAlongByLength) {
   const std::vector<Mesh> meshes = meshesOf("F(1)F(2)", cylinderView(4));
   ASSERT_EQ(meshes.size(), 1U);
@@ -168,7 +230,7 @@ TEST(SceneMeshes, TheThickestLimbOfAForkGoesOnAndOfEqualOnesTheStraightest) {
   const auto headsOf = [](const std::string& string) {
     TurtleRun run(string, cylinderView(8));
     run.draw();
-    return chainsOf(run.scene, Palette(run.scene, {})).heads;
+    return chainsOf(run.scene, Palette(run.scene, {}), {}).heads;
   };
   // segments: trunk 0, first limb 1, second limb 2
   EXPECT_EQ(headsOf(";(3)!(0.4)F[+(50)!(0.1)F][-(50)!(0.2)F]"), (std::vector<std::uint32_t>{0, 1}));
