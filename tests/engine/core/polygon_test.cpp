@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/core/work_meter.h"
+
 namespace espalier::core::polygon_test {
 namespace {
 
@@ -52,6 +54,67 @@ TEST(Polygon, AnySenseAnyPlaneAndAnyFirstCorner) {
   }
   std::reverse(polygon.begin(), polygon.end());
   expectCovered(polygon, "clockwise");
+}
+
+// Koch's island in the xy plane: 3 · 4^steps corners
+std::vector<Vec3> snowflake(int steps) {
+  std::vector<Vec3> polygon{{0, 0, 0}, {1, 0, 0}, {0.5, 0.5 * std::numbers::sqrt3, 0}};
+  for (int step = 0; step < steps; ++step) {
+    std::vector<Vec3> finer;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Vec3& a = polygon[i];
+      const Vec3 third = (1.0 / 3.0) * (polygon[(i + 1) % polygon.size()] - a);
+      const Vec3 outward{0.5 * third.x + 0.5 * std::numbers::sqrt3 * third.y,
+                         0.5 * third.y - 0.5 * std::numbers::sqrt3 * third.x, 0.0};
+      finer.insert(finer.end(), {a, a + third, a + third + outward, a + 2.0 * third});
+    }
+    polygon = std::move(finer);
+  }
+  return polygon;
+}
+
+TEST(Polygon, ManyCornersAreCoveredExactly) {
+  // 48 corners are compared with each other, more are looked up in a grid
+  for (int steps = 2; steps <= 7; ++steps) {
+    expectCovered(snowflake(steps), "snowflake " + std::to_string(steps));
+  }
+  expectCovered(star(10'000, 0.5), "star");
+  // a spiral of three rounds, there and back
+  std::vector<Vec3> spiral;
+  for (int i = 0; i < 600; ++i) {
+    const double angle = 0.0314 * i;
+    spiral.push_back({(1.0 + angle) * std::cos(angle), (1.0 + angle) * std::sin(angle), 0.0});
+  }
+  for (int i = 600; i-- > 0;) {
+    const double angle = 0.0314 * i;
+    spiral.push_back({(0.5 + angle) * std::cos(angle), (0.5 + angle) * std::sin(angle), 0.0});
+  }
+  expectCovered(spiral, "spiral");
+}
+
+TEST(Polygon, ManyCornersThatCrossOneAnotherStillGiveTriangles) {
+  std::vector<Vec3> walk;
+  for (int i = 0; i < 2000; ++i) {
+    walk.push_back({std::sin(12.9898 * i), std::cos(78.233 * i * i), 0.0});
+  }
+  EXPECT_EQ(triangulate(walk, {0, 0, 1}).size(), 1998U);
+  std::vector<Vec3> line;
+  for (int i = 0; i < 200; ++i) {
+    line.push_back({static_cast<double>(i % 70), 0, 0});
+  }
+  EXPECT_EQ(triangulate(line, {0, 0, 1}).size(), 198U) << "no area at all";
+}
+
+TEST(Polygon, CuttingAPolygonCanBeStopped) {
+  class Stopped : public WorkMeter {
+   public:
+    [[nodiscard]] bool take(std::int64_t /*bytes*/) noexcept override { return true; }
+    [[nodiscard]] bool isStopped() const noexcept override { return true; }
+  };
+  const std::vector<Vec3> polygon = snowflake(5);
+  Stopped meter;
+  const WorkMeter::Scope scope(&meter);
+  EXPECT_THROW(static_cast<void>(triangulate(polygon, {0, 0, 1})), WorkStopped);
 }
 
 TEST(Polygon, RepeatedAndCollinearCornersAreAllowed) {
