@@ -96,25 +96,6 @@ using TubeCircle = std::vector<std::array<double, 2>>;
 /// coordinate counts pictures of that height by the tube's circumference; else lengths.
 void appendTube(Mesh& mesh, const Tube& tube, const TubeCircle& circle, double ratio = 0.0);
 
-/// Consecutive stretches of a generalized cylinder that have one colour. A stretch is a piece of its curve; its colour
-/// is that of the control point where it ends.
-struct CylinderRun {
-  std::size_t first = 0;  // stretch
-  std::size_t count = 0;
-  std::int32_t colour = 128;
-};
-[[nodiscard]] std::vector<CylinderRun> runsOf(const GeneralizedCylinder& cylinder);
-
-/// The stretches of a run of a generalized cylinder: Hermite or B-spline through its points, circular or with the
-/// contours of the view file, with the least twist unless the view file wants the turtle's. Runs meet in equal rings
-/// with equal normals. The second texture coordinate is the length along the axis, or, when the cylinder has a texture,
-/// that length in pictures as high as the texture's ratio says.
-void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const CylinderRun& run,
-                    const files::ViewSettings& view, double detail = 1.0);
-/// All runs.
-void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder, const files::ViewSettings& view,
-                    double detail = 1.0);
-
 /// `sides + 1` points of a contour at equal distances along it; a circle when `id` is not in the view file.
 [[nodiscard]] std::vector<core::Vec3> sampleContour(const files::ViewSettings& view, std::int32_t id, int sides);
 

@@ -15,6 +15,7 @@ using core::Vec3;
 
 namespace {
 
+constexpr std::size_t kSweptCylinders = 8;  // that are kept
 constexpr int kLeastSphereSides = 12;
 constexpr int kFewestSphereSides = 8;           // of one among many
 constexpr double kSphereTriangles = 250'000.0;  // of all spheres of a scene, about
@@ -188,6 +189,23 @@ OrganPlacement SceneMeshes::placementOf(const MeshPart& part) const {
           {ball.diameter, ball.diameter, ball.diameter}};
 }
 
+std::shared_ptr<const SweptCylinder> SceneMeshes::sweptCylinder(std::uint32_t index) const {
+  {
+    const std::lock_guard lock(sweptMutex_);
+    const auto found = std::ranges::find(swept_, index, &SweptEntry::first);
+    if (found != swept_.end()) {
+      return found->second;
+    }
+  }
+  auto swept = std::make_shared<const SweptCylinder>(scene_.cylinders[index], view_, detail_);
+  const std::lock_guard lock(sweptMutex_);
+  swept_.emplace_back(index, swept);
+  if (swept_.size() > kSweptCylinders) {
+    swept_.pop_front();
+  }
+  return swept;
+}
+
 void SceneMeshes::make(const MeshPart& part, Mesh& mesh) const {
   mesh.clear();
   fill(part, mesh);
@@ -206,8 +224,8 @@ void SceneMeshes::fill(const MeshPart& part, Mesh& mesh) const {
       return;
     }
     case OrganKind::Cylinder: {
-      const GeneralizedCylinder& cylinder = scene_.cylinders[part.index];
-      appendCylinder(mesh, cylinder, runsOf(cylinder)[part.run], view_, detail_);
+      const std::shared_ptr<const SweptCylinder> swept = sweptCylinder(part.index);
+      swept->appendRun(mesh, swept->runs()[part.run]);
       return;
     }
     case OrganKind::Polygon:

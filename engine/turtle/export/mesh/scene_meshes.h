@@ -2,14 +2,18 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/core/frame.h"
 #include "engine/turtle/export/exporters.h"
+#include "engine/turtle/export/mesh/cylinder_mesh.h"
 #include "engine/turtle/export/mesh/mesh.h"
 #include "engine/turtle/export/mesh/mesh_material.h"
 #include "engine/turtle/export/mesh/tubes.h"
@@ -83,6 +87,7 @@ class SceneMeshes {
   void makeSharedMeshes();
   void fill(const MeshPart& part, Mesh& mesh) const;
   [[nodiscard]] const files::Texture* textureOf(std::int32_t texture) const;
+  [[nodiscard]] std::shared_ptr<const SweptCylinder> sweptCylinder(std::uint32_t index) const;
 
   const ExportInput& input_;
   const Scene& scene_;
@@ -99,6 +104,11 @@ class SceneMeshes {
   int sides_ = 8;        // around tubes
   TubeCircle circle_;    // of so many sides
   bool keepsDegenerate_ = false;
+  // the cylinders that were asked for last, by index: the runs of one are asked for one after the other, by several
+  // threads
+  using SweptEntry = std::pair<std::uint32_t, std::shared_ptr<const SweptCylinder>>;
+  mutable std::mutex sweptMutex_;
+  mutable std::deque<SweptEntry> swept_;
 };
 
 }  // namespace espalier::turtle

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "engine/core/polygon.h"
+#include "engine/turtle/export/mesh/cylinder_mesh.h"
 
 namespace espalier::turtle {
 
@@ -166,9 +167,10 @@ void PageDrawing::addShapes() {
     addMesh(mesh, patch.colour, patch.texture);
   }
   for (const GeneralizedCylinder& cylinder : scene_.cylinders) {
-    for (const CylinderRun& run : runsOf(cylinder)) {
+    const SweptCylinder swept(cylinder, view_);
+    for (const CylinderRun& run : swept.runs()) {
       mesh.clear();
-      appendCylinder(mesh, cylinder, run, view_);
+      swept.appendRun(mesh, run);
       addMesh(mesh, run.colour, cylinder.texture);
     }
   }

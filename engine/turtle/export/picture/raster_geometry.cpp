@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "engine/core/check.h"
+#include "engine/turtle/export/mesh/cylinder_mesh.h"
 #include "engine/turtle/export/mesh/placed_meshes.h"
 #include "engine/turtle/export/mesh/polygon_mesh.h"
 #include "engine/turtle/export/picture/raster_pen.h"
@@ -97,9 +98,10 @@ void RasterGeometry::forMeshes(const Part& part, const ScenePlacement& placement
   switch (part.kind) {
     case Kind::Cylinder: {
       const GeneralizedCylinder& cylinder = scene_.cylinders[part.index];
-      for (const CylinderRun& run : runsOf(cylinder)) {
+      const SweptCylinder swept(cylinder, view_);
+      for (const CylinderRun& run : swept.runs()) {
         mesh.clear();
-        appendCylinder(mesh, cylinder, run, view_);
+        swept.appendRun(mesh, run);
         give({run.colour, cylinder.texture});
       }
       return;

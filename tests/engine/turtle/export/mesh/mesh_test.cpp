@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/turtle/export/mesh/cylinder_mesh.h"
 #include "engine/turtle/export/mesh/tubes.h"
 #include "tests/engine/turtle/turtle_fixture.h"
 
@@ -46,12 +47,19 @@ TEST(Mesh, APatchInterpolatesItsCorners) {
   expectVector(mesh.normals[4], 0, 0, -1);
 }
 
+void appendCylinder(Mesh& mesh, const GeneralizedCylinder& cylinder) {
+  const SweptCylinder swept(cylinder, {});
+  for (const CylinderRun& run : swept.runs()) {
+    swept.appendRun(mesh, run);
+  }
+}
+
 TEST(Mesh, AStraightHermiteCylinderIsACylinder) {
   TurtleRun run("!(2)@!(6)@Gs f(4)@Gc(2)@Ge(1)");
   run.draw();
   ASSERT_EQ(run.scene.cylinders.size(), 1U);
   Mesh mesh;
-  appendCylinder(mesh, run.scene.cylinders[0], {});
+  appendCylinder(mesh, run.scene.cylinders[0]);
   for (const core::Vec3& p : mesh.positions) {
     EXPECT_NEAR(std::hypot(p.x, p.z), 1.0, 1e-9);
   }
@@ -63,7 +71,7 @@ TEST(Mesh, ARadiusFollowsItsTangents) {
   run.draw();
   ASSERT_EQ(run.scene.cylinders.size(), 1U);
   Mesh mesh;
-  appendCylinder(mesh, run.scene.cylinders[0], {});
+  appendCylinder(mesh, run.scene.cylinders[0]);
   double most = 0.0;
   for (const core::Vec3& p : mesh.positions) {
     most = std::max(most, std::hypot(p.x, p.z));
@@ -77,7 +85,7 @@ TEST(Mesh, AnOpenBSplineCylinderReachesItsEnds) {
   TurtleRun run("!(2){(3)f(1)+(30)f(2)-(30)f(1)}(3)");
   run.draw();
   Mesh mesh;
-  appendCylinder(mesh, run.scene.cylinders[0], {});
+  appendCylinder(mesh, run.scene.cylinders[0]);
   core::Vec3 first;
   core::Vec3 last;
   for (std::size_t k = 0; k < 8; ++k) {

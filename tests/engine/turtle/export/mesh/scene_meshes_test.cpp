@@ -166,6 +166,59 @@ TEST(SceneMeshes, ALongLineIsMadeInPiecesThatMeet) {
   EXPECT_GT(measures.signedVolume, 0.0);
 }
 
+TEST(SceneMeshes, ALongCylinderIsMadeInRunsThatMeet) {
+  for (const std::string ends : {"@Gs|@Ge(2)", "{(2)|}(2)", "{(1)|}(1)", "{(3)|}(3)"}) {
+    std::string middle;
+    for (std::size_t i = 0; i < 2 * kLongestRun + 9; ++i) {
+      // around a screw; a colour of its own here and there
+      middle += (i % 50 == 7 ? ";(" + std::to_string(3 + i / 50) + ")" : "") + "+(9)^(4)f(0.5)." +
+                (ends[0] == '@' ? "@Gc(2)" : "");
+    }
+    const std::string string = "!(0.2)" + ends.substr(0, ends.find('|')) + middle + ends.substr(ends.find('|') + 1);
+    TurtleRun run(string, cylinderView(6));
+    run.draw();
+    ASSERT_EQ(run.scene.cylinders.size(), 1U) << string;
+    const SweptCylinder swept(run.scene.cylinders[0], run.program.view);
+    EXPECT_GE(swept.runs().size(), 4U);
+    Mesh whole;
+    std::size_t lastRing = 0;
+    for (const CylinderRun& cylinderRun : swept.runs()) {
+      EXPECT_LE(cylinderRun.count, kLongestRun);
+      const std::size_t first = whole.positions.size();
+      swept.appendRun(whole, cylinderRun);
+      for (std::size_t k = 0; first > 0 && k < 7; ++k) {
+        EXPECT_EQ(whole.positions[first + k], whole.positions[lastRing + k]);
+        EXPECT_EQ(whole.normals[first + k], whole.normals[lastRing + k]);
+        EXPECT_EQ(whole.coordinates[first + k], whole.coordinates[lastRing + k]);
+      }
+      // a run ends with a ring of seven vertices; the first has the vertices of the end behind its rings
+      lastRing = whole.positions.size() - 7 - (first == 0 && !run.scene.cylinders[0].isClosed ? 6 : 0);
+    }
+    // the same as in one piece
+    Mesh single;
+    const CylinderRun& last = swept.runs().back();
+    swept.appendRun(single, {0, last.first + last.count, 3});
+    EXPECT_EQ(whole.faces.size(), single.faces.size());
+    const MeshMeasures measures = measure(whole);
+    const MeshMeasures expected = measure(single);
+    EXPECT_EQ(measures.openEdgeCount, expected.openEdgeCount) << ends;
+    EXPECT_NEAR(measures.area, expected.area, 1e-9 * expected.area);
+    EXPECT_NEAR(measures.signedVolume, expected.signedVolume, 1e-9);
+    // parts in any order have the same meshes as all runs one after the other
+    const ExportInput input{.scene = run.scene, .view = run.program.view};
+    MaterialTable materials;
+    const SceneMeshes meshes(input, materials, true);
+    ASSERT_EQ(meshes.parts().size(), swept.runs().size());
+    for (std::size_t i = meshes.parts().size(); i-- > 0;) {
+      Mesh made;
+      Mesh again;
+      meshes.make(meshes.parts()[i], made);
+      swept.appendRun(again, swept.runs()[i]);
+      EXPECT_EQ(made.positions, again.positions);
+    }
+  }
+}
+
 TEST(SceneMeshes, APieceOfALongLineKnowsTheModulesOfItsFaces) {
   TurtleRun run(std::string(kLongestChain + 10, 'F'), cylinderView(5));
   run.draw();
