@@ -30,6 +30,7 @@ struct MeshTask {
 
   void make(const MeshWork& work) {
     problems.clear();
+    bytes.clear();
     for (std::size_t k = 0; k < count; ++k) {
       meshes[k].clear();
       problems.push_back(work.make(first + k, meshes[k]));
@@ -44,7 +45,6 @@ struct MeshTask {
   }
 
   void spell(const MeshWork& work) {
-    bytes.clear();
     ends.assign(count, 0);
     for (std::size_t k = 0; work.spell && k < count && !problems[k]; ++k) {
       work.spell(first + k, meshes[k], numbers[k], bytes);
@@ -52,7 +52,7 @@ struct MeshTask {
     }
   }
 
-  /// About; to be asked after `spell`.
+  /// About; of the meshes, and of the bytes when they are spelled.
   [[nodiscard]] std::size_t heldBytes() const {
     std::size_t sum = bytes.size();
     for (std::size_t k = 0; k < count; ++k) {
@@ -149,6 +149,7 @@ class MeshPipeline {
     slot.task.count = std::min(kTaskMeshes, meshCount_ - slot.task.first);
     slot.task.make(work_);
     lock.lock();
+    count(slot);
     slot.isMade = true;
     // those whose turn it is
     for (; toNumber_ < toMake_ && slotOf(toNumber_).isMade; ++toNumber_) {
@@ -160,21 +161,20 @@ class MeshPipeline {
     Slot& slot = slotOf(toSpell_++);
     lock.unlock();
     slot.task.spell(work_);
-    const std::size_t held = slot.task.heldBytes();
     lock.lock();
-    slot.heldBytes = held;
-    heldBytes_ += held;
+    count(slot);
     slot.isSpelled = true;
   }
 
   void use(std::unique_lock<std::mutex>& lock) {
-    const Slot& slot = slotOf(used_);
+    Slot& slot = slotOf(used_);
     isUsing_ = true;
     lock.unlock();
     auto problem = slot.task.use(work_);
     lock.lock();
     isUsing_ = false;
     heldBytes_ -= slot.heldBytes;
+    slot.heldBytes = 0;
     free_.push_back(std::move(slots_.front()));
     slots_.pop_front();
     ++used_;
@@ -182,6 +182,13 @@ class MeshPipeline {
       problem_ = std::move(problem);
       stop();
     }
+  }
+
+  // what a task holds now
+  void count(Slot& slot) {
+    heldBytes_ -= slot.heldBytes;
+    slot.heldBytes = slot.task.heldBytes();
+    heldBytes_ += slot.heldBytes;
   }
 
   void stop() {
