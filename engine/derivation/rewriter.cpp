@@ -22,11 +22,12 @@ Rewriter::Rewriter(const language::Program& program, Evaluator& evaluator, Rando
       frames_(program.maximumSlots + std::size_t{1}, 0.0),
       chosenFrame_(frames_.data()) {}
 
-void Rewriter::setStrings(const ContextString& around, const ModuleString* produced, const ProducedPieces* pieces) {
+void Rewriter::setStrings(const ContextString& around, const ModuleString* produced, ProducedPieces* pieces) {
   around_ = around;
   produced_ = produced;
   pieces_ = pieces;
   producedIndex_.clear();
+  producedShortcuts_.clear();
 }
 
 bool Rewriter::matchesShape(const Production& production, const ContextRules& rules, const PredecessorPlace& place,
@@ -75,7 +76,7 @@ bool Rewriter::matchesShape(const Production& production, const ContextRules& ru
 
 bool Rewriter::matchesProduced(const Production& production, const ContextRules& rules, double* frame) {
   if (!production.newRightContext.empty() &&
-      (pieces_ == nullptr || !pieces_->matchesRight(*program_, rules, production.newRightContext, frame))) {
+      (pieces_ == nullptr || !pieces_->matchesRight(rules, production.newRightContext, frame))) {
     return false;
   }
   if (production.newLeftContext.empty()) {
@@ -87,7 +88,8 @@ bool Rewriter::matchesProduced(const Production& production, const ContextRules&
   producedIndex_.extend(*produced_);
   const ContextString produced{produced_->types().data(), produced_->parameters().data(),
                                produced_->size(),         produced_->parameterCount(),
-                               &producedIndex_,           false};
+                               &producedIndex_,           false,
+                               &producedShortcuts_};
   return matchesLeft(*program_, rules, produced, production.newLeftContext, produced.size, produced.parameterCount,
                      frame);
 }

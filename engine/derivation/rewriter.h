@@ -45,7 +45,7 @@ class Rewriter {
 
   /// Gives the string around the predecessors, and the string being produced: `produced` from left to right, where `<<`
   /// looks, or `pieces` from right to left, where `>>` looks. Null: such contexts never match.
-  void setStrings(const ContextString& around, const ModuleString* produced, const ProducedPieces* pieces = nullptr);
+  void setStrings(const ContextString& around, const ModuleString* produced, ProducedPieces* pieces = nullptr);
   [[nodiscard]] const ContextString& around() const { return around_; }
 
   /// Gives the module types that a predecessor may begin with but never reach over, by type: calls of sub-L-systems and
@@ -144,8 +144,9 @@ class Rewriter {
   bool storesFloats_;
   ContextString around_;
   const ModuleString* produced_ = nullptr;  // the string being produced, of the caller
-  const ProducedPieces* pieces_ = nullptr;  // the same when it is produced from right to left
+  ProducedPieces* pieces_ = nullptr;        // the same when it is produced from right to left
   StringIndex producedIndex_;               // its bracket links, as far as searches needed them
+  SearchShortcuts producedShortcuts_;       // in it
   std::vector<std::uint8_t> isBarrier_;     // by module type; empty: none
   std::vector<double> frames_;              // formal parameters, Program::maximumSlots for each candidate
   double* chosenFrame_ = nullptr;           // in frames_: of the production chosen last

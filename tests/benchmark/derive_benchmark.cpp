@@ -112,14 +112,16 @@ const bool kIsRegistered = [] {
         Workload{"pairs", "26", "17"}}) {
     add("derive-threads/", compareThreads, workload);
   }
-  // no cliff: 128 and 8,192 modules, many productions, many parameters, deep nesting, many branches at a node, wide
-  // contexts, chance with contexts, decomposition, cheap productions everywhere, a rare module of the general way
+  // no cliff: 128 and 8,192 modules, many productions, many parameters, deep nesting, many branches at a node, many
+  // ignored modules in a row, wide contexts, chance with contexts, decomposition, cheap productions everywhere, a rare
+  // module of the general way
   for (const Workload& workload : {Workload{"steady", "4000", "7"},       Workload{"steady", "400", "13"},
                                    Workload{"steady", "60", "20"},        Workload{"d0l", "6", ""},
                                    Workload{"parametric", "8", ""},       Workload{"productions", "60", "7"},
                                    Workload{"productions", "60", "14"},   Workload{"parameters", "400", "7"},
                                    Workload{"parameters", "40", "14"},    Workload{"nesting", "1000", ""},
-                                   Workload{"fan", "30", "10"},           Workload{"wide-contexts", "200", "7"},
+                                   Workload{"fan", "30", "10"},           Workload{"ignored-rows", "30", "10"},
+                                   Workload{"ignored-rows", "30", "14"},  Workload{"wide-contexts", "200", "7"},
                                    Workload{"wide-contexts", "40", "14"}, Workload{"stochastic-contexts", "60", "12"},
                                    Workload{"decomposition", "60", "6"},  Workload{"decomposition", "30", "12"},
                                    Workload{"signal-up", "8", ""},        Workload{"signal-up", "60", ""},

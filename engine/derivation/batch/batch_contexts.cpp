@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "engine/derivation/batch/batch_rewriter.h"
+#include "engine/derivation/matching/context_walk.h"
 
 namespace espalier::derivation {
 
@@ -70,9 +71,7 @@ void BatchRewriter::findNeighbours(const BatchGroup& group, std::span<const std:
 
 template <bool kKeepsModules>
 void BatchRewriter::findLeft(std::span<const std::uint32_t> sites) {
-  const ContextString old = step_.old;
-  const std::uint16_t* arity = program_->arity.data();
-  const std::uint8_t* passing = passing_.data();
+  const LeftWalk<false> walk(*program_, *rules_, step_.old);
   const std::uint32_t* const siteModule = siteModule_.data();
   const std::uint32_t* const siteOffset = siteOffset_.data();
   ModuleTypeId* const leftType = leftType_.data();
@@ -80,49 +79,21 @@ void BatchRewriter::findLeft(std::span<const std::uint32_t> sites) {
   [[maybe_unused]] std::uint64_t* const leftModule = leftModule_.data();
   const std::uint64_t first = first_;
   const std::uint64_t firstOffset = offset_;
-  const ModuleTypeId openBranch = program_->openBranch;
   for (const std::uint32_t site : sites) {
-    std::uint64_t module = first + siteModule[site];
-    std::uint64_t offset = firstOffset + siteOffset[site];
-    ModuleTypeId found = core::kNoModuleType;
-    std::uint32_t passed = 0;
-    while (module > 0) {
-      --module;
-      const ModuleTypeId type = old.types[module];
-      offset -= arity[type];
-      if ((passing[type] & (kSkippedLeft | kJumpedLeft)) == 0) [[likely]] {
-        found = type;
-        break;
-      }
-      if ((passing[type] & kJumpedLeft) != 0) {
-        const StringIndex::Link& link = old.index->link(module);
-        if (link.partner == StringIndex::kNone) {
-          break;
-        }
-        module = link.partner;
-        offset -= link.parameterCount;
-      }
-      // all searches together walk a long way over branches once
-      if (++passed > LeftShortcuts::kNearModules && old.types[module] == openBranch) [[unlikely]] {
-        const LeftShortcuts::Place end = old.shortcuts->follow(*program_, *rules_, old, {module, offset});
-        module = end.module;
-        offset = end.offset;
-        passed = 0;
-      }
-    }
-    leftType[site] = found;
-    leftOffset[site] = offset;
+    SearchShortcuts::Place place{first + siteModule[site], firstOffset + siteOffset[site]};
+    leftType[site] = walk.to(place);
+    leftOffset[site] = place.offset;
     if constexpr (kKeepsModules) {
-      leftModule[site] = module;
+      leftModule[site] = place.module;
     }
   }
 }
 
 template <bool kKeepsModules>
 void BatchRewriter::findRight(std::span<const std::uint32_t> sites) {
-  const ContextString old = step_.old;
+  const ContextString& old = step_.old;
+  const RightWalk<false> walk(*program_, *rules_, SearchKind::Right, old);
   const std::uint16_t* arity = program_->arity.data();
-  const std::uint8_t* passing = passing_.data();
   const std::uint32_t* const siteModule = siteModule_.data();
   const std::uint32_t* const siteOffset = siteOffset_.data();
   ModuleTypeId* const rightType = rightType_.data();
@@ -131,32 +102,12 @@ void BatchRewriter::findRight(std::span<const std::uint32_t> sites) {
   const std::uint64_t first = first_;
   const std::uint64_t firstOffset = offset_;
   for (const std::uint32_t site : sites) {
-    std::uint64_t module = first + siteModule[site];
-    std::uint64_t offset = firstOffset + siteOffset[site] + arity[old.types[module]];
-    ModuleTypeId found = core::kNoModuleType;
-    ++module;
-    while (module < old.size) {
-      const ModuleTypeId type = old.types[module];
-      if ((passing[type] & (kSkippedRight | kJumpedRight)) == 0) [[likely]] {
-        found = type;
-        break;
-      }
-      if ((passing[type] & kSkippedRight) != 0) {
-        offset += arity[type];
-        ++module;
-      } else {
-        const StringIndex::Link& link = old.index->link(module);
-        if (link.partner == StringIndex::kNone) {
-          break;
-        }
-        module = link.partner + std::uint64_t{1};
-        offset += link.parameterCount;
-      }
-    }
-    rightType[site] = found;
-    rightOffset[site] = offset;
+    const std::uint64_t module = first + siteModule[site];
+    SearchShortcuts::Place place{module + 1, firstOffset + siteOffset[site] + arity[old.types[module]]};
+    rightType[site] = walk.to(place);
+    rightOffset[site] = place.offset;
     if constexpr (kKeepsModules) {
-      rightModule[site] = module;
+      rightModule[site] = place.module;
     }
   }
 }

@@ -43,7 +43,6 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       fixedParameterSum_(byType(productions, program.moduleTypeCount(),
                                 [](const TypePlan& made) { return std::uint32_t{made.copied}; })),
       parameterSum_({program.arity.begin(), program.arity.end()}),
-      passing_(program.moduleTypeCount(), 0),
       blocks_(plan.blocks()),
       siteModule_(kChunkModules + ModuleFinder::kSlack),
       siteOffset_(kChunkModules + ModuleFinder::kSlack),
@@ -91,22 +90,11 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       case BatchPlan::Class::Kept:
         break;
     }
-    if (type == program.closeBranch) {
-      passing_[type] = static_cast<std::uint8_t>(kJumpedLeft | (rules.isIgnored(type) ? kSkippedRight : 0));
-    } else if (type == program.openBranch) {
-      passing_[type] = static_cast<std::uint8_t>(kSkippedLeft | (rules.isIgnored(type) ? kSkippedRight : kJumpedRight));
-    } else if (rules.isIgnored(type)) {
-      passing_[type] = kSkippedLeft | kSkippedRight;
-    }
   }
 }
 
 void BatchRewriter::begin(const Step& step) {
   step_ = step;
-  if (step_.old.shortcuts == nullptr) {
-    shortcuts_.clear();
-    step_.old.shortcuts = &shortcuts_;
-  }
   evaluator_.begin(step.inputs);
 }
 

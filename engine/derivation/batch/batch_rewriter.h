@@ -32,7 +32,7 @@ class BatchRewriter {
 
   /// The facts that all chunks of a step share.
   struct Step {
-    ContextString old;  // the string that is read; until the next begin, no other object uses its shortcuts
+    ContextString old;  // the string that is read; its shortcuts are for this object alone
     std::uint32_t number = 0;
     ColumnInputs inputs;            // that code reads; unchanged until the next begin
     core::CounterRandom selection;  // Espalier's own mode
@@ -85,11 +85,6 @@ class BatchRewriter {
   };
 
   static constexpr std::uint64_t kNoRow = ~std::uint64_t{0};
-  // the effect of a module on searches for the nearest neighbours, as bits
-  static constexpr std::uint8_t kSkippedLeft = 1;   // passed by a search to the left
-  static constexpr std::uint8_t kSkippedRight = 2;  // passed by a search to the right
-  static constexpr std::uint8_t kJumpedLeft = 4;    // `]`: the branch is passed
-  static constexpr std::uint8_t kJumpedRight = 8;   // `[`
 
   [[nodiscard]] Outcome countFixed();
   void writeFixed(core::ModuleTypeId* types, double* parameters) const;
@@ -137,12 +132,10 @@ class BatchRewriter {
   const ProductionPlan* productions_;
   Step step_;
   ColumnEvaluator evaluator_;
-  LeftShortcuts shortcuts_;  // used unless the Step has its own
   ModuleFinder finder_;
   TypeSum fixedModuleSum_;  // modules that a stretch becomes; fixed models only
   TypeSum fixedParameterSum_;
   TypeSum parameterSum_;
-  std::vector<std::uint8_t> passing_;  // by module type: whether context searches pass it, as bits
 
   // the chunk
   std::uint64_t first_ = 0;

@@ -1,5 +1,7 @@
 #include "engine/derivation/batch/context_columns.h"
 
+#include "engine/derivation/matching/context_walk.h"
+
 namespace espalier::derivation {
 
 using core::ModuleTypeId;
@@ -13,18 +15,7 @@ ContextColumns::ContextColumns(const language::Program& program, const ContextRu
       found_(laneCount),
       places_(laneCount),
       branches_(laneCount),
-      insides_(laneCount) {
-  for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
-    const auto type = static_cast<ModuleTypeId>(i);
-    const bool isOpen = type == program.openBranch;
-    const bool isIgnored = rules.isIgnored(type);
-    // a branch is passed as a whole, unless its bracket is ignored
-    atModule_.push_back(isIgnored ? Move::Pass : isOpen ? Move::Leave : Move::Stop);
-    atBranch_.push_back(isIgnored ? Move::Pass : Move::Stop);
-    // brackets alone decide where the branch ends
-    atBranchEnd_.push_back(type == program.closeBranch ? Move::Stop : isOpen ? Move::Leave : Move::Pass);
-  }
-}
+      insides_(laneCount) {}
 
 void ContextColumns::findLeft(const ContextString& string, std::span<const ContextElement> context,
                               std::size_t firstElement, std::uint64_t* places) {
@@ -41,60 +32,18 @@ void ContextColumns::findLeft(const ContextString& string, std::span<const Conte
 
 template <bool kIsRing>
 void ContextColumns::findLeftOf(const ContextString& string, ModuleTypeId sought, std::uint64_t* places) {
-  const ModuleTypeId* const types = string.types;
-  const std::uint16_t* const arity = program_->arity.data();
-  const std::uint8_t* const traits = rules_->traits();
-  const ModuleTypeId openBranch = program_->openBranch;
+  const LeftWalk<kIsRing> walk(*program_, *rules_, string);
   std::uint32_t* const alive = found_.data();
-  Place* const ends = places_.data();
+  SearchShortcuts::Place* const ends = places_.data();
   const std::size_t rowSize = rowSize_;
   const std::size_t count = foundCount_;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t search = alive[i];
-    std::uint64_t module = ends[search].module;
-    std::uint64_t offset = ends[search].offset;
-    ModuleTypeId found = core::kNoModuleType;
-    // without a bound, the search would never end in a ring of ignored modules
-    [[maybe_unused]] std::uint64_t remaining = string.size + 1;
-    std::uint32_t passed = 0;
-    while (true) {
-      if (module == 0) {
-        if (!kIsRing || !string.canWrap) {
-          break;
-        }
-        module = string.size;
-        offset = string.parameterCount;
-      }
-      if (kIsRing && --remaining == 0) {
-        break;
-      }
-      --module;
-      const ModuleTypeId type = types[module];
-      const std::uint8_t trait = traits[type];
-      offset -= arity[type];
-      if (trait == 0) [[likely]] {
-        found = type;
-        break;
-      }
-      if ((trait & ContextRules::kCloseBranch) != 0) {
-        const StringIndex::Link link = string.index->link(module);
-        if (link.partner == StringIndex::kNone) {
-          break;
-        }
-        module = link.partner;
-        offset -= link.parameterCount;
-      }
-      // a search that has passed many modules goes on where an earlier search has ended
-      if (++passed > LeftShortcuts::kNearModules && string.shortcuts != nullptr && types[module] == openBranch) {
-        const LeftShortcuts::Place end = string.shortcuts->follow(*program_, *rules_, string, {module, offset});
-        module = end.module;
-        offset = end.offset;
-        passed = 0;
-      }
-    }
-    places[search * rowSize] = offset;
-    ends[search] = {module, offset};
+    SearchShortcuts::Place place = ends[search];
+    const ModuleTypeId found = walk.to(place);
+    places[search * rowSize] = place.offset;
+    ends[search] = place;
     alive[kept] = search;
     kept += found == sought ? 1 : 0;
   }
@@ -106,8 +55,8 @@ void ContextColumns::findRight(const ContextString& string, std::span<const Cont
   bool isEntered = false;  // a bracket of the context has entered the branch whose end is sought
   for (std::size_t i = 0; i < context.size() && foundCount_ > 0; ++i) {
     const ContextElement& element = context[i];
-    const bool isBranchEnd = element.kind == ContextElement::Kind::SkipToBranchEnd;
-    const bool entersBranch = element.kind == ContextElement::Kind::OpenBranch;
+    const SearchKind kind = searchKind(element.kind);
+    const bool isBranchEnd = kind == SearchKind::RightBranchEnd;
     if (isBranchEnd && isEntered) {
       // a `]` behind it is that bracket
       const bool isClosed = i + 1 < context.size() && context[i + 1].kind == ContextElement::Kind::CloseBranch;
@@ -116,11 +65,10 @@ void ContextColumns::findRight(const ContextString& string, std::span<const Cont
       isEntered = isEntered && !isClosed;
       continue;
     }
-    const Move* const moves = (isBranchEnd ? atBranchEnd_ : entersBranch ? atBranch_ : atModule_).data();
-    const ModuleTypeId sought = isBranchEnd ? core::kNoModuleType : element.module.type;
-    findRightOf(string, moves, sought, places + firstElement + i);
+    const ModuleTypeId sought = isBranchEnd ? program_->closeBranch : element.module.type;
+    findRightOf(string, kind, sought, places + firstElement + i);
     if (!isBranchEnd && (sought == program_->openBranch || sought == program_->closeBranch)) {
-      isEntered = entersBranch && areBracketsSeen_;
+      isEntered = kind == SearchKind::RightBranch && areBracketsSeen_;
     }
   }
 }
@@ -140,75 +88,42 @@ void ContextColumns::moveToBranchEnds(const ContextString& string, std::uint64_t
   foundCount_ = kept;
 }
 
-void ContextColumns::findRightOf(const ContextString& string, const Move* moves, ModuleTypeId sought,
+void ContextColumns::findRightOf(const ContextString& string, SearchKind kind, ModuleTypeId sought,
                                  std::uint64_t* places) {
   if (sought == program_->openBranch) {
-    rules_->isRing() ? findRightOf<true, true>(string, moves, sought, places)
-                     : findRightOf<false, true>(string, moves, sought, places);
+    rules_->isRing() ? findRightOf<true, true>(string, kind, sought, places)
+                     : findRightOf<false, true>(string, kind, sought, places);
   } else {
-    rules_->isRing() ? findRightOf<true, false>(string, moves, sought, places)
-                     : findRightOf<false, false>(string, moves, sought, places);
+    rules_->isRing() ? findRightOf<true, false>(string, kind, sought, places)
+                     : findRightOf<false, false>(string, kind, sought, places);
   }
 }
 
 template <bool kIsRing, bool kNotesBranches>
-void ContextColumns::findRightOf(const ContextString& string, const Move* moves, ModuleTypeId sought,
+void ContextColumns::findRightOf(const ContextString& string, SearchKind kind, ModuleTypeId sought,
                                  std::uint64_t* places) {
-  const ModuleTypeId* const types = string.types;
-  const std::uint16_t* const arity = program_->arity.data();
-  const std::uint64_t size = string.size;
-  // the end of a branch is any module that stops; it is reached, not passed
-  const bool isBranchEnd = sought == core::kNoModuleType;
+  // the end of a branch is reached, not passed
+  const bool isBranchEnd = kind == SearchKind::RightBranchEnd;
   const std::uint64_t step = isBranchEnd ? 0 : 1;
-  const std::uint64_t behind = isBranchEnd ? 0 : arity[sought];
+  const std::uint64_t behind = isBranchEnd ? 0 : program_->arity[sought];
+  const RightWalk<kIsRing> walk(*program_, *rules_, kind, string);
   std::uint32_t* const alive = found_.data();
-  Place* const ends = places_.data();
+  SearchShortcuts::Place* const ends = places_.data();
   const std::size_t rowSize = rowSize_;
   const std::size_t count = foundCount_;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t search = alive[i];
-    std::uint64_t module = ends[search].module;
-    std::uint64_t offset = ends[search].offset;
-    bool isFound = false;
-    [[maybe_unused]] std::uint64_t remaining = size + 1;
-    while (true) {
-      if (module >= size) [[unlikely]] {
-        if (!kIsRing || size == 0) {
-          break;
-        }
-        module = 0;
-        offset = 0;
-      }
-      if (kIsRing && --remaining == 0) {
-        break;
-      }
-      const ModuleTypeId type = types[module];
-      const Move move = moves[type];
-      if (move == Move::Stop) [[likely]] {
-        isFound = isBranchEnd | (type == sought);
-        break;
-      }
-      if (move == Move::Pass) {
-        offset += arity[type];
-        ++module;
-        continue;
-      }
-      const StringIndex::Link link = string.index->link(module);
-      if (link.partner == StringIndex::kNone) {
-        break;
-      }
-      module = link.partner + 1;
-      offset += link.parameterCount;
-    }
-    places[search * rowSize] = offset;
-    ends[search] = {module + step, offset + behind};
+    SearchShortcuts::Place place = ends[search];
+    const ModuleTypeId found = walk.to(place);
+    places[search * rowSize] = place.offset;
+    ends[search] = {place.module + step, place.offset + behind};
     if constexpr (kNotesBranches) {
-      branches_[search] = module;
-      insides_[search] = offset + behind;
+      branches_[search] = place.module;
+      insides_[search] = place.offset + behind;
     }
     alive[kept] = search;
-    kept += isFound ? 1 : 0;
+    kept += found == sought ? 1 : 0;
   }
   foundCount_ = kept;
 }

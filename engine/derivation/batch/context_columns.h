@@ -39,39 +39,24 @@ class ContextColumns {
                  std::size_t firstElement, std::uint64_t* places);
 
  private:
-  /// A module of the string, and where its parameters begin.
-  struct Place {
-    std::uint64_t module;
-    std::uint64_t offset;
-  };
-  /// The move of a search to the right at a module.
-  enum class Move : std::uint8_t {
-    Stop,   // the element's module must be this one
-    Pass,   // on to the next module
-    Leave,  // on behind the branch that begins here
-  };
-
   template <bool kIsRing>
   void findLeftOf(const ContextString& string, core::ModuleTypeId sought, std::uint64_t* places);
   /// `kNotesBranches`: the module is a `[`, whose end may be sought later.
   template <bool kIsRing, bool kNotesBranches>
-  void findRightOf(const ContextString& string, const Move* moves, core::ModuleTypeId sought, std::uint64_t* places);
-  void findRightOf(const ContextString& string, const Move* moves, core::ModuleTypeId sought, std::uint64_t* places);
+  void findRightOf(const ContextString& string, SearchKind kind, core::ModuleTypeId sought, std::uint64_t* places);
+  void findRightOf(const ContextString& string, SearchKind kind, core::ModuleTypeId sought, std::uint64_t* places);
   /// To the end of the branch that the context has entered, and `step` modules further.
   void moveToBranchEnds(const ContextString& string, std::uint64_t* places, std::uint64_t step);
 
   const language::Program* program_;
   const ContextRules* rules_;
-  bool areBracketsSeen_;           // brackets alone decide where a branch ends
-  std::vector<Move> atModule_;     // by module type: the search for a module or a `]`
-  std::vector<Move> atBranch_;     // for a `[`
-  std::vector<Move> atBranchEnd_;  // for the end of the branch
+  bool areBracketsSeen_;  // brackets alone decide where a branch ends
   std::size_t rowSize_ = 0;
-  std::size_t foundCount_ = 0;       // that have not failed
-  Scratch<std::uint32_t> found_;     // these
-  Scratch<Place> places_;            // by search: where it goes on
-  Scratch<std::uint64_t> branches_;  // by search: the `[` that the context has entered last
-  Scratch<std::uint64_t> insides_;   // by search: the parameters behind it
+  std::size_t foundCount_ = 0;              // that have not failed
+  Scratch<std::uint32_t> found_;            // these
+  Scratch<SearchShortcuts::Place> places_;  // by search: where it goes on
+  Scratch<std::uint64_t> branches_;         // by search: the `[` that the context has entered last
+  Scratch<std::uint64_t> insides_;          // by search: the parameters behind it
 };
 
 }  // namespace espalier::derivation

@@ -1,5 +1,7 @@
 #include "engine/derivation/matching/context_matcher.h"
 
+#include "engine/derivation/matching/context_walk.h"
+
 namespace espalier::derivation {
 namespace {
 
@@ -14,78 +16,45 @@ void bind(const language::Program& program, const ContextString& string, const l
   }
 }
 
-/// Adds an entry to `looks`, when searches are recorded, and returns whether the element matched.
+/// Whether a search has found the sought type. Adds an entry to `looks`, when searches are recorded. `found` as from
+/// LeftWalk::to.
 template <bool kIsRecorded>
-bool look(std::vector<ContextLook>* looks, ContextLook::Result result, const language::Program& program,
-          const ContextString& string, std::uint64_t module, std::uint64_t offset) {
+bool look(std::vector<ContextLook>* looks, core::ModuleTypeId sought, core::ModuleTypeId found,
+          const language::Program& program, const ContextString& string, const SearchShortcuts::Place& place) {
   if constexpr (kIsRecorded) {
+    using Result = ContextLook::Result;
     ContextLook& entry = looks->emplace_back();
-    entry.result = result;
-    if (result == ContextLook::Result::Matched || result == ContextLook::Result::OtherModule) {
-      entry.module = module;
-      entry.type = string.types[module];
-      entry.parameters.assign(string.parameters + offset, string.parameters + offset + program.arity[entry.type]);
+    if (found != core::kNoModuleType) {
+      entry.result = found == sought ? Result::Matched : Result::OtherModule;
+      entry.module = place.module;
+      entry.type = found;
+      const double* const parameters = string.parameters + place.offset;
+      entry.parameters.assign(parameters, parameters + program.arity[found]);
+    } else {
+      const core::ModuleTypeId type = place.module < string.size ? string.types[place.module] : core::kNoModuleType;
+      const bool isBracket = type == program.openBranch || type == program.closeBranch;
+      const bool isLone = isBracket && string.index->link(place.module).partner == StringIndex::kNone;
+      entry.result = isLone ? Result::LoneBracket : Result::StringEnd;
     }
   }
-  return result == ContextLook::Result::Matched;
+  return found == sought;
 }
 
 template <bool kIsRing, bool kIsRecorded>
 bool searchLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,
                 std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
                 std::vector<ContextLook>* looks) {
-  using Result = ContextLook::Result;
-  const core::ModuleTypeId* const types = string.types;
-  const std::uint16_t* const arity = program.arity.data();
-  const std::uint8_t* const traits = rules.traits();
-  for (std::size_t i = 0; i < context.size(); ++i) {
-    const ContextElement& element = context[i];
+  const LeftWalk<kIsRing> walk(program, rules, string);
+  SearchShortcuts::Place place{module, offset};
+  for (const ContextElement& element : context) {
     if (element.kind != ContextElement::Kind::Module) {
       return false;
     }
-    // without a bound, the search would never end in a ring of ignored modules
-    [[maybe_unused]] std::uint64_t remaining = string.size + 1;
-    std::uint32_t passed = 0;
-    while (true) {
-      if (module == 0) {
-        if (!kIsRing || !string.canWrap) {
-          return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
-        }
-        module = string.size;
-        offset = string.parameterCount;
-      }
-      if (kIsRing && --remaining == 0) {
-        return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
-      }
-      --module;
-      const core::ModuleTypeId type = types[module];
-      const std::uint8_t trait = traits[type];
-      offset -= arity[type];
-      if (trait == 0) [[likely]] {
-        if (type != element.module.type) {
-          return look<kIsRecorded>(looks, Result::OtherModule, program, string, module, offset);
-        }
-        look<kIsRecorded>(looks, Result::Matched, program, string, module, offset);
-        bind(program, string, element.module, offset, frame);
-        break;
-      }
-      if ((trait & ContextRules::kCloseBranch) != 0) {
-        const StringIndex::Link link = string.index->link(module);
-        if (link.partner == StringIndex::kNone) {
-          return look<kIsRecorded>(looks, Result::LoneBracket, program, string, 0, 0);
-        }
-        module = link.partner;
-        offset -= link.parameterCount;
-      }
-      // a search that has passed many modules goes on where an earlier search has ended
-      if (++passed > LeftShortcuts::kNearModules && string.shortcuts != nullptr &&
-          types[module] == program.openBranch) {
-        const LeftShortcuts::Place end = string.shortcuts->follow(program, rules, string, {module, offset});
-        module = end.module;
-        offset = end.offset;
-        passed = 0;
-      }
+    const core::ModuleTypeId type = walk.to(place);
+    if (!look<kIsRecorded>(looks, element.module.type, type, program, string, place)) {
+      return false;
     }
+    bind(program, string, element.module, place.offset, frame);
   }
   return true;
 }
@@ -94,73 +63,36 @@ template <bool kIsRing, bool kIsRecorded>
 bool searchRight(const language::Program& program, const ContextRules& rules, const ContextString& string,
                  std::span<const ContextElement> context, std::uint64_t module, std::uint64_t offset, double* frame,
                  std::vector<ContextLook>* looks) {
-  using Result = ContextLook::Result;
-  const core::ModuleTypeId* const types = string.types;
-  const std::uint16_t* const arity = program.arity.data();
-  const std::uint8_t* const traits = rules.traits();
+  SearchShortcuts::Place place{module, offset};
   // the branch that the context has entered last, when brackets alone end it
   const bool areBracketsSeen =
       !kIsRing && !rules.isIgnored(program.openBranch) && !rules.isIgnored(program.closeBranch);
   std::uint64_t entered = string.size;  // its `[`; the size of the string: none
   std::uint64_t enteredOffset = 0;      // behind the `[`
-  for (std::size_t i = 0; i < context.size(); ++i) {
-    const ContextElement& element = context[i];
-    const bool isBranchEnd = element.kind == ContextElement::Kind::SkipToBranchEnd;
-    const bool entersBranch = element.kind == ContextElement::Kind::OpenBranch;
+  for (const ContextElement& element : context) {
+    const SearchKind kind = searchKind(element.kind);
+    const bool isBranchEnd = kind == SearchKind::RightBranchEnd;
     if (isBranchEnd && entered != string.size) {
       const StringIndex::Link link = string.index->link(entered);
       if (link.partner != StringIndex::kNone) {
-        module = link.partner;
-        offset = enteredOffset + link.parameterCount;
+        place = {link.partner, enteredOffset + link.parameterCount};
       }
     }
-    [[maybe_unused]] std::uint64_t remaining = string.size + 1;
-    while (true) {
-      if (module >= string.size) {
-        if (!kIsRing || string.size == 0) {
-          return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
-        }
-        module = 0;
-        offset = 0;
-      }
-      if (kIsRing && --remaining == 0) {
-        return look<kIsRecorded>(looks, Result::StringEnd, program, string, 0, 0);
-      }
-      const core::ModuleTypeId type = types[module];
-      const std::uint8_t trait = traits[type];
-      if (isBranchEnd) {
-        // brackets alone decide where the branch ends
-        if ((trait & ContextRules::kCloseBranch) != 0) {
-          look<kIsRecorded>(looks, Result::Matched, program, string, module, offset);
-          break;
-        }
-      } else if ((trait & ContextRules::kIgnored) == 0 && ((trait & ContextRules::kOpenBranch) == 0 || entersBranch)) {
-        if (type != element.module.type) {
-          return look<kIsRecorded>(looks, Result::OtherModule, program, string, module, offset);
-        }
-        look<kIsRecorded>(looks, Result::Matched, program, string, module, offset);
-        bind(program, string, element.module, offset, frame);
-        offset += arity[type];
-        if ((trait & (ContextRules::kOpenBranch | ContextRules::kCloseBranch)) != 0) {
-          entered = entersBranch && areBracketsSeen ? module : string.size;
-          enteredOffset = offset;
-        }
-        ++module;
-        break;
-      }
-      // a branch is passed as a whole, unless its bracket is ignored
-      if ((trait & ContextRules::kOpenBranch) != 0 && (isBranchEnd || (trait & ContextRules::kIgnored) == 0)) {
-        const StringIndex::Link link = string.index->link(module);
-        if (link.partner == StringIndex::kNone) {
-          return look<kIsRecorded>(looks, Result::LoneBracket, program, string, 0, 0);
-        }
-        module = link.partner + 1;
-        offset += link.parameterCount;
-        continue;
-      }
-      offset += arity[type];
-      ++module;
+    const core::ModuleTypeId type = RightWalk<kIsRing>(program, rules, kind, string).to(place);
+    const core::ModuleTypeId sought = isBranchEnd ? program.closeBranch : element.module.type;
+    if (!look<kIsRecorded>(looks, sought, type, program, string, place)) {
+      return false;
     }
+    if (isBranchEnd) {
+      continue;
+    }
+    bind(program, string, element.module, place.offset, frame);
+    const std::uint64_t behind = place.offset + program.arity[type];
+    if (type == program.openBranch || type == program.closeBranch) {
+      entered = kind == SearchKind::RightBranch && areBracketsSeen ? place.module : string.size;
+      enteredOffset = behind;
+    }
+    place = {place.module + 1, behind};
   }
   return true;
 }
@@ -168,13 +100,33 @@ bool searchRight(const language::Program& program, const ContextRules& rules, co
 }  // namespace
 
 ContextRules::ContextRules(const language::Program& program, const language::LSystem& system)
-    : traits_(program.moduleTypeCount(), 0), isRing_(system.isRing) {
-  for (std::size_t type = 0; type < program.moduleTypeCount(); ++type) {
-    const core::SymbolId symbol = program.symbolOf[type];
-    traits_[type] = symbol < system.isIgnored.size() && system.isIgnored[symbol] ? kIgnored : 0;
+    : number_(static_cast<std::size_t>(&system - program.systems.data())), isRing_(system.isRing) {
+  for (std::size_t i = 0; i < program.moduleTypeCount(); ++i) {
+    const auto type = static_cast<core::ModuleTypeId>(i);
+    const core::SymbolId symbol = program.symbolOf[i];
+    const bool isIgnored = symbol < system.isIgnored.size() && system.isIgnored[symbol];
+    const bool isOpen = type == program.openBranch;
+    const bool isClose = type == program.closeBranch;
+    const auto set = [&](SearchKind kind, Move move) { moves_[static_cast<std::size_t>(kind)].push_back(move); };
+    // to the left, a branch that ends here is passed as a whole, and a `[` leads into the mother axis
+    set(SearchKind::Left, isClose ? Move::Leave : isIgnored || isOpen ? Move::Pass : Move::Stop);
+    // a branch is passed as a whole, unless its bracket is ignored
+    set(SearchKind::Right, isIgnored ? Move::Pass : isOpen ? Move::Leave : Move::Stop);
+    set(SearchKind::RightBranch, isIgnored ? Move::Pass : Move::Stop);
+    // brackets alone decide where the branch ends
+    set(SearchKind::RightBranchEnd, isClose ? Move::Stop : isOpen ? Move::Leave : Move::Pass);
   }
-  traits_[program.openBranch] |= kOpenBranch;
-  traits_[program.closeBranch] |= kCloseBranch;
+}
+
+SearchKind searchKind(ContextElement::Kind kind) {
+  switch (kind) {
+    case ContextElement::Kind::OpenBranch:
+      return SearchKind::RightBranch;
+    case ContextElement::Kind::SkipToBranchEnd:
+      return SearchKind::RightBranchEnd;
+    default:
+      return SearchKind::Right;
+  }
 }
 
 bool matchesLeft(const language::Program& program, const ContextRules& rules, const ContextString& string,

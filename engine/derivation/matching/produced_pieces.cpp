@@ -1,14 +1,50 @@
 #include "engine/derivation/matching/produced_pieces.h"
 
+#include <utility>
+
 namespace espalier::derivation {
 
 void ProducedPieces::clear() {
   modules_.clear();
   pieces_.clear();
+  ends_.clear();
+  branchBehind_.clear();
+  for (auto& shortcuts : shortcuts_) {
+    shortcuts.clear();
+  }
 }
 
 void ProducedPieces::begin() {
-  pieces_.push_back({modules_.size(), modules_.parameterCount()});
+  Piece next{modules_.size(), modules_.parameterCount(), 0, 0};
+  if (!pieces_.empty()) {
+    const Piece& last = pieces_.back();
+    next.behind = last.firstModule < modules_.size() ? pieces_.size() : last.behind;
+    next.enclosingEnds = linkLast();
+  }
+  pieces_.push_back(next);
+}
+
+std::size_t ProducedPieces::linkLast() {
+  const Piece& piece = pieces_.back();
+  const std::span<const core::ModuleTypeId> types = std::as_const(modules_).types();
+  std::size_t innermost = piece.enclosingEnds;
+  std::uint64_t offset = modules_.parameterCount();
+  for (std::uint64_t module = types.size(); module-- > piece.firstModule;) {
+    const core::ModuleTypeId type = types[module];
+    if (type == program_->closeBranch) {
+      ends_.push_back({settled({pieces_.size(), module + 1, offset}), innermost});
+      innermost = ends_.size();
+    } else if (type == program_->openBranch) {
+      // a bracket without partner has no branch to pass
+      branchBehind_.erase(module);
+      if (innermost > 0) {
+        branchBehind_.emplace(module, ends_[innermost - 1].behind);
+        innermost = ends_[innermost - 1].outside;
+      }
+    }
+    offset -= program_->arity[type];
+  }
+  return innermost;
 }
 
 void ProducedPieces::dropBefore(std::uint64_t count) {
@@ -36,77 +72,84 @@ void ProducedPieces::appendTo(ModuleString& string) const {
   }
 }
 
-void ProducedPieces::settle(Cursor& cursor) const {
-  // behind the end of a piece comes the piece that was made before it
-  while (cursor.piece > 0 && cursor.module == endModule(cursor.piece - 1)) {
-    --cursor.piece;
-    if (cursor.piece > 0) {
-      cursor.module = pieces_[cursor.piece - 1].firstModule;
-      cursor.offset = pieces_[cursor.piece - 1].firstParameter;
-    }
-  }
+ProducedPieces::Cursor ProducedPieces::beginOf(std::size_t behind) const {
+  return behind == 0 ? Cursor{} : Cursor{behind, pieces_[behind - 1].firstModule, pieces_[behind - 1].firstParameter};
 }
 
-void ProducedPieces::advance(const language::Program& program, Cursor& cursor) const {
-  cursor.offset += program.arity[modules_.types()[cursor.module]];
-  ++cursor.module;
-  settle(cursor);
+ProducedPieces::Cursor ProducedPieces::settled(Cursor cursor) const {
+  return cursor.module < endModule(cursor.piece - 1) ? cursor : beginOf(pieces_[cursor.piece - 1].behind);
 }
 
-bool ProducedPieces::skipBranch(const language::Program& program, Cursor& cursor) const {
-  std::uint64_t depth = 0;
-  while (cursor.piece > 0) {
-    const core::ModuleTypeId type = modules_.types()[cursor.module];
-    advance(program, cursor);
-    if (type == program.openBranch) {
-      ++depth;
-    } else if (type == program.closeBranch && --depth == 0) {
-      return true;
-    }
-  }
-  return false;
-}
-
-bool ProducedPieces::matchesRight(const language::Program& program, const ContextRules& rules,
-                                  std::span<const language::ContextElement> context, double* frame) const {
-  // the last piece is still being made: the search starts behind it
-  if (pieces_.size() < 2) {
+bool ProducedPieces::move(const Move* moves, Cursor& cursor) const {
+  if (cursor.piece == 0) {
     return false;
   }
-  const Piece& nearest = pieces_[pieces_.size() - 2];
-  Cursor cursor{pieces_.size() - 1, nearest.firstModule, nearest.firstParameter};
-  settle(cursor);
-  for (const language::ContextElement& element : context) {
-    const bool isBranchEnd = element.kind == language::ContextElement::Kind::SkipToBranchEnd;
-    while (true) {
-      if (cursor.piece == 0) {
-        return false;
-      }
-      const core::ModuleTypeId type = modules_.types()[cursor.module];
-      if (isBranchEnd && type == program.closeBranch) {
+  const core::ModuleTypeId type = modules_.types()[cursor.module];
+  if (moves[type] == Move::Stop) {
+    return false;
+  }
+  if (moves[type] == Move::Pass) {
+    cursor = settled({cursor.piece, cursor.module + 1, cursor.offset + program_->arity[type]});
+    return true;
+  }
+  const auto behind = branchBehind_.find(cursor.module);
+  if (behind == branchBehind_.end()) {
+    return false;
+  }
+  cursor = behind->second;
+  return true;
+}
+
+ProducedPieces::Cursor ProducedPieces::follow(SearchKind kind, const Move* moves, Cursor cursor) {
+  std::unordered_map<std::uint64_t, Cursor>& shortcuts = shortcuts_[static_cast<std::size_t>(kind)];
+  passed_.clear();
+  do {
+    const std::uint64_t key = keyOf(cursor);
+    if (isMark(cursor)) {
+      const auto known = shortcuts.find(key);
+      if (known != shortcuts.end()) {
+        cursor = known->second;
         break;
       }
-      const bool isIgnored = rules.isIgnored(type);
-      if (type == program.openBranch &&
-          (isBranchEnd || (!isIgnored && element.kind != language::ContextElement::Kind::OpenBranch))) {
-        if (!skipBranch(program, cursor)) {
-          return false;
-        }
-        continue;
+      passed_.push_back(key);
+    }
+  } while (move(moves, cursor) && cursor.piece > 0);
+  for (const std::uint64_t key : passed_) {
+    shortcuts.emplace(key, cursor);
+  }
+  return cursor;
+}
+
+bool ProducedPieces::matchesRight(const ContextRules& rules, std::span<const language::ContextElement> context,
+                                  double* frame) {
+  // the last piece is still being made: the search starts behind it
+  Cursor cursor = pieces_.empty() ? Cursor{} : beginOf(pieces_.back().behind);
+  for (const language::ContextElement& element : context) {
+    const SearchKind kind = searchKind(element.kind);
+    const Move* const moves = rules.moves(kind);
+    for (std::uint32_t passed = 1; move(moves, cursor); ++passed) {
+      if (passed > SearchShortcuts::kNearModules && cursor.piece > 0 && isMark(cursor)) {
+        cursor = follow(kind, moves, cursor);
+        passed = 0;
       }
-      if (isBranchEnd || isIgnored) {
-        advance(program, cursor);
-        continue;
-      }
-      if (type != element.module.type) {
+    }
+    if (cursor.piece == 0) {
+      return false;
+    }
+    const core::ModuleTypeId type = modules_.types()[cursor.module];
+    if (kind == SearchKind::RightBranchEnd) {
+      if (type != program_->closeBranch) {
         return false;
       }
-      for (std::size_t i = 0; i < program.arity[type]; ++i) {
-        frame[element.module.firstSlot + i] = modules_.parameters()[cursor.offset + i];
-      }
-      advance(program, cursor);
-      break;
+      continue;
     }
+    if (type != element.module.type) {
+      return false;
+    }
+    for (std::size_t i = 0; i < program_->arity[type]; ++i) {
+      frame[element.module.firstSlot + i] = modules_.parameters()[cursor.offset + i];
+    }
+    cursor = settled({cursor.piece, cursor.module + 1, cursor.offset + program_->arity[type]});
   }
   return true;
 }

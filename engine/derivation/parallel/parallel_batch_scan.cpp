@@ -17,7 +17,7 @@ constexpr std::uint64_t kFixedChunkModules = 16 * BatchRewriter::kChunkModules;
 }  // namespace
 
 ParallelBatchScan::ParallelBatchScan(ScanContext& context, PlainScan& plain, core::WorkerTeam& team)
-    : context_(&context), plain_(&plain), team_(&team), chunks_(context.program) {
+    : context_(&context), plain_(&plain), team_(&team), chunks_(context.program), shortcuts_(team.size()) {
   const SystemTables& tables = context.tables.front();
   for (unsigned worker = 0; worker < team.size(); ++worker) {
     batches_.push_back(std::make_unique<BatchRewriter>(context.program, tables.rules, tables.batches, tables.plan));
@@ -28,9 +28,10 @@ void ParallelBatchScan::run(StringIndex* links) {
   ScanContext& context = *context_;
   const bool isFixedOnly = context.tables.front().batches.isFixedOnly();
   chunks_.cut(*context.old, isFixedOnly ? kFixedChunkModules : BatchRewriter::kChunkModules, *team_, links);
-  BatchRewriter::Step step = batchStep(context);
-  // each thread has its own
-  step.old.shortcuts = nullptr;
+  const BatchRewriter::Step step = batchStep(context);
+  for (SearchShortcuts& shortcuts : shortcuts_) {
+    shortcuts.clear();
+  }
   for (std::uint64_t chunk = 0; chunk < chunks_.count();) {
     chunk = runRound(step, chunk);
     // values that fail or warn: in the order of the string, behind the output and dropped again
@@ -76,7 +77,9 @@ std::uint64_t ParallelBatchScan::runRound(const BatchRewriter::Step& step, std::
     std::uint64_t chunk = 0;
     try {
       BatchRewriter& batch = *batches_[worker];
-      batch.begin(step);
+      BatchRewriter::Step own = step;
+      own.old.shortcuts = &shortcuts_[worker];
+      batch.begin(own);
       while (round.take(chunk)) {
         const ScanPlace begin = chunks_.begin(chunk);
         const BatchRewriter::Outcome outcome =

@@ -36,6 +36,7 @@ class ParallelBatchScan {
   core::WorkerTeam* team_;
   StringChunks chunks_;
   std::vector<std::unique_ptr<BatchRewriter>> batches_;  // by worker
+  std::vector<SearchShortcuts> shortcuts_;               // in the old string, by worker
   std::vector<std::uint64_t> unusualChunks_;  // of the last round: written, with values that fail or warn (ascending)
   LastStores stores_;                         // of the last round
 };

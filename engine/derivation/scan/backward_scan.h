@@ -11,10 +11,11 @@ namespace espalier::derivation {
 class BackwardScan {
  public:
   /// Both must outlive the object.
-  BackwardScan(ScanContext& context, ModuleRewriter& rewriter) : context_(&context), rewriter_(&rewriter) {}
+  BackwardScan(ScanContext& context, ModuleRewriter& rewriter)
+      : context_(&context), rewriter_(&rewriter), pieces_(context.program) {}
 
   /// The string produced so far, for the context's Rewriter.
-  [[nodiscard]] const ProducedPieces& pieces() const { return pieces_; }
+  [[nodiscard]] ProducedPieces& pieces() { return pieces_; }
   /// The whole old string.
   void run();
 

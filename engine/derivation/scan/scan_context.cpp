@@ -34,14 +34,12 @@ void ScanContext::attach(PlantState& state, std::uint64_t number, std::uint64_t 
 }
 
 void ScanContext::read(const ModuleString& string, const StringIndex& links, const ModuleString* produced,
-                       const ProducedPieces* pieces) {
+                       ProducedPieces* pieces) {
   old = &string;
   shortcuts.clear();
-  // every sub-L-system has rules of its own
-  LeftShortcuts* const used = program.hasSubSystems ? nullptr : &shortcuts;
-  rewriter.setStrings(
-      {string.types().data(), string.parameters().data(), string.size(), string.parameterCount(), &links, true, used},
-      produced, pieces);
+  rewriter.setStrings({string.types().data(), string.parameters().data(), string.size(), string.parameterCount(),
+                       &links, true, &shortcuts},
+                      produced, pieces);
 }
 
 void ScanContext::buildIndex(const ModuleString& string) {

@@ -35,7 +35,7 @@ struct ScanContext {
   void attach(PlantState& plant, std::uint64_t number, std::uint64_t failingStep);
   /// Scans read `string` from now on, whose brackets `links` knows. `produced` and `pieces` as in Rewriter::setStrings.
   void read(const ModuleString& string, const StringIndex& links, const ModuleString* produced,
-            const ProducedPieces* pieces = nullptr);
+            ProducedPieces* pieces = nullptr);
   /// Indexes the brackets of `string`.
   void buildIndex(const ModuleString& string);
 
@@ -77,7 +77,7 @@ struct ScanContext {
   StepChanges* changes = nullptr;     // the unchanged modules of the step are noted here; null: nowhere
   StringIndex index;                  // brackets of the string that is read
   bool isOutputIndexed = false;       // between steps: `index` is that of `output`
-  LeftShortcuts shortcuts;            // in the string that is read, by the rules of the main L-system
+  SearchShortcuts shortcuts;          // in the string that is read
   ModuleRecord* record = nullptr;     // of the caller of deriveRecorded, while it runs
   ModuleOrigins* origins = nullptr;   // which modules continue which is noted here; null: nowhere
   bool isCounted = false;             // the Rewriter counts how often each production is applied

@@ -33,6 +33,7 @@ const FixedWork kWork[] = {
     {Measured::Derivation, {"parameters", "18", "10"}},
     {Measured::Derivation, {"nesting", "200", ""}},
     {Measured::Derivation, {"fan", "12", "8"}},
+    {Measured::Derivation, {"ignored-rows", "14", "9"}},
     {Measured::Derivation, {"wide-contexts", "18", "11"}},
     {Measured::Derivation, {"stochastic-contexts", "18", "9"}},
     {Measured::Derivation, {"decomposition", "14", "9"}},
