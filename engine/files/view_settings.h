@@ -46,12 +46,20 @@ class SplineFunction {
   [[nodiscard]] const std::string& name() const { return name_; }
 
  private:
+  /// A point of the curve at which the bisection can look, and the points at which it looks next.
+  struct Halving {
+    double x = 0.0;
+    double y = 0.0;
+    std::array<std::uint32_t, 2> next{};  // of halvings_: where the sought x is smaller, and where it is larger
+  };
   [[nodiscard]] std::array<double, 2> point(double parameter) const;
-  [[nodiscard]] double exactValue(double x) const;
+  [[nodiscard]] double bisect(double x) const;
+  void prepareHalvings();
 
   std::string name_;
   std::vector<std::array<double, 2>> points_;
-  std::vector<double> table_;  // y at equidistant x; empty: no table
+  std::vector<double> table_;      // y at equidistant x; empty: no table
+  std::vector<Halving> halvings_;  // without a table: a tree, because the points do not depend on x
 };
 
 /// A parametric curve of `curve:`, the values of curveX/Y/Z(id, t) and curveGAL(id).

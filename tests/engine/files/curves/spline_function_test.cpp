@@ -54,5 +54,26 @@ TEST(SplineFunction, SearchEndsWhereTheCurveNeverReachesX) {
   EXPECT_EQ(constant.value(1.0), 0.0);
 }
 
+TEST(SplineFunction, ExactValuesAreThoseOfTheBisectionThatFillsTables) {
+  // a table of 4,097 values holds the bisected ones at multiples of 1/4096; the curves rise, stand still, jump, turn
+  // back, and leave [0, 1] or do not fill it
+  const std::vector<Points> curves{{{0, 0}, {0.25, 0.5}, {0.75, 0.5}, {1, 2}},
+                                   {{0, 0}, {0, 1}, {0, 2}, {0.01, 3}, {0.99, 4}, {1, 5}, {1, 6}, {1, 7}},
+                                   {{0, 0}, {0.5, 1}, {0.5, 2}, {0.5, 3}, {0.5, 4}, {1, 5}},
+                                   {{0, 0}, {0.9, 1}, {0.1, 2}, {1, 3}},
+                                   {{0.3, 0}, {0.4, 1}, {0.5, 2}, {0.6, 3}},
+                                   {{-1, 0}, {0.2, 1}, {0.7, 2}, {3, 3}},
+                                   {{1, 0}, {0.7, 1}, {0.3, 2}, {0, 3}},
+                                   Points(5)};
+  for (const Points& points : curves) {
+    const SplineFunction exact("exact", points, 0);
+    const SplineFunction table("table", points, 4097);
+    for (int i = 0; i <= 4096; ++i) {
+      const double x = i / 4096.0;
+      ASSERT_EQ(exact.value(x), table.value(x)) << points[1][0] << " at " << x;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace espalier::files::spline_function_test
