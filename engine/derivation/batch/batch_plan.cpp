@@ -51,10 +51,6 @@ void addReads(const ColumnCode& code, std::size_t count, std::vector<bool>& isRe
   add(code.result);
 }
 
-bool hasContexts(const Production& production) {
-  return !production.leftContext.empty() || !production.rightContext.empty();
-}
-
 /// Whether two contexts seek the same modules.
 bool seekSame(const std::vector<ContextElement>& a, const std::vector<ContextElement>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const ContextElement& x, const ContextElement& y) {
@@ -117,8 +113,8 @@ BatchPlan::BatchPlan(const language::Program& program, const language::LSystem& 
     isCheap_ = isCheap_ &&
                (classes_[type] != Class::Group || (plan[type].kind != TypePlan::Kind::General && !plan[type].usesCode &&
                                                    !(isWeighted_ && groups_.back().ruleCount > 1)));
-    isQuick_ = isQuick_ && (classes_[type] != Class::Group ||
-                            (plan[type].kind != TypePlan::Kind::General && plan[type].kind != TypePlan::Kind::Blocks));
+    isQuick_ = isQuick_ && (classes_[type] != Class::Group || (plan[type].kind != TypePlan::Kind::General &&
+                                                               plan[type].kind != TypePlan::Kind::BlocksOrContexts));
     hasCuts_ = hasCuts_ || classes_[type] == Class::Cut;
     hasFixed = hasFixed || classes_[type] == Class::Fixed || hasCuts_;
   }

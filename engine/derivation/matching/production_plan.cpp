@@ -38,12 +38,13 @@ bool assignsFormal(const language::Program& program, const language::CodeRange& 
                      [](const Instruction& instruction) { return instruction.operation == Operation::StoreSlot; });
 }
 
-/// Whether only condition and weight decide, and the successor stays as it is made. All candidates of a module share
-/// its formal parameters, so no block that runs before the choice may assign one.
+/// Whether only contexts, condition and weight decide, and the successor stays as it is made. All candidates of a
+/// module share its formal parameters, so no block that runs before the choice may assign one. Where weights decide,
+/// several candidates match, and each needs the parameters of its own contexts.
 bool isQuickProduction(const language::Program& program, const language::LSystem& system,
                        const Production& production) {
-  if (production.predecessor.size() != 1 || production.predecessor[0].firstSlot != 0 ||
-      !production.leftContext.empty() || !production.rightContext.empty() || !production.newLeftContext.empty() ||
+  if (production.predecessor.size() != 1 || (!hasContexts(production) && production.predecessor[0].firstSlot != 0) ||
+      (hasContexts(production) && system.isStochastic) || !production.newLeftContext.empty() ||
       !production.newRightContext.empty() || assignsFormal(program, production.preBlock)) {
     return false;
   }
@@ -75,6 +76,10 @@ bool isScanSymbol(const language::Program& program, core::ModuleTypeId type) {
 }
 
 }  // namespace
+
+bool hasContexts(const Production& production) {
+  return !production.leftContext.empty() || !production.rightContext.empty();
+}
 
 std::size_t chooseByWeight(std::span<const double> weights, double draw, bool usesFloats) {
   if (usesFloats) {
@@ -147,7 +152,7 @@ void ProductionPlan::planType(const language::Program& program, const language::
   }
   plan.firstRule = static_cast<std::uint32_t>(rules_.size());
   bool isUnmatchedPossible = true;
-  bool hasBlocks = false;
+  bool hasMore = false;  // blocks or contexts
   for (const std::uint32_t index : candidates) {
     const Production& production = system.productions.productions[index];
     plan.ruleCount += addRule(program, production, system.isStochastic);
@@ -157,12 +162,12 @@ void ProductionPlan::planType(const language::Program& program, const language::
                        std::any_of(production.expressions.begin(), production.expressions.end(),
                                    [](const Expression& expression) { return canDraw(expression); }) ||
                        canDraw(program, production.preBlock) || canDraw(program, production.postBlock);
-    hasBlocks = hasBlocks || rule.hasBefore || rule.hasBehind;
-    plan.usesCode = plan.usesCode || hasBlocks || isCode(rule.condition) || isCode(rule.weight) ||
+    hasMore = hasMore || rule.hasBefore || rule.hasBehind || rule.hasContexts;
+    plan.usesCode = plan.usesCode || hasMore || isCode(rule.condition) || isCode(rule.weight) ||
                     std::any_of(values_.begin() + rule.firstValue, values_.end(), isCode);
-    isUnmatchedPossible = isUnmatchedPossible && rule.hasCondition;
+    isUnmatchedPossible = isUnmatchedPossible && (rule.hasCondition || rule.hasContexts);
     // a production without a condition always matches: later productions have no effect
-    if (!system.isStochastic && !rule.hasCondition) {
+    if (!system.isStochastic && !rule.hasCondition && !rule.hasContexts) {
       break;
     }
   }
@@ -171,11 +176,11 @@ void ProductionPlan::planType(const language::Program& program, const language::
     plan.kind = TypePlan::Kind::General;
     return;
   }
-  plan.kind = hasBlocks             ? TypePlan::Kind::Blocks
+  plan.kind = hasMore               ? TypePlan::Kind::BlocksOrContexts
               : system.isStochastic ? TypePlan::Kind::Weights
                                     : TypePlan::Kind::Rules;
   const QuickRule& first = rules_[plan.firstRule];
-  if (plan.ruleCount == 1 && !first.hasCondition && !first.hasWeight && !hasBlocks && first.valueCount == 0) {
+  if (plan.ruleCount == 1 && !first.hasCondition && !first.hasWeight && !hasMore && first.valueCount == 0) {
     makeFixed(plan, first.firstType, first.length);
     return;
   }
@@ -238,6 +243,7 @@ std::uint32_t ProductionPlan::addRule(const language::Program& program, const Pr
                                       bool usesWeights) {
   QuickRule rule;
   rule.production = &production;
+  rule.hasContexts = hasContexts(production);
   rule.hasBefore = !production.preBlock.empty();
   rule.hasBehind = !production.postBlock.empty();
   rule.hasCondition = production.condition.has_value();

@@ -63,9 +63,13 @@ struct QuickValue {
 /// sum and the remainder in 32-bit floats. When all weights are 0 the first is chosen.
 [[nodiscard]] std::size_t chooseByWeight(std::span<const double> weights, double draw, bool usesFloats);
 
-/// A production without contexts whose predecessor is one module: only a condition and a weight decide.
+/// Whether a production looks at neighbours in the old string.
+[[nodiscard]] bool hasContexts(const language::Production& production);
+
+/// A production whose predecessor is one module: contexts, a condition and a weight decide.
 struct QuickRule {
   const language::Production* production = nullptr;  // in the Program
+  bool hasContexts = false;
   bool hasCondition = false;
   bool hasWeight = false;
   bool hasBefore = false;  // a block before the condition, which assigns no formal parameter
@@ -85,19 +89,19 @@ struct TypePlan {
   enum class Kind : std::uint8_t {
     Fixed,  // the same modules every time: a block of types, and the module's own parameters when it stands for itself
     Rules,  // QuickRules, the first whose condition holds
-    Weights,  // QuickRules, one chosen by weight among those whose condition holds
-    Blocks,   // QuickRules, of which some have blocks: the first whose condition holds, or one chosen by weight
-    General,  // everything else
+    Weights,           // QuickRules, one chosen by weight among those whose condition holds
+    BlocksOrContexts,  // the same for QuickRules of which some have these; contexts only where no weight decides
+    General,           // everything else
   };
   std::array<core::ModuleTypeId, kInlineTypes> types{};  // Fixed: the block, when it is no longer than this
   std::uint32_t length = 0;                              // Fixed: modules of the block
   std::uint32_t firstType = 0;                           // Fixed: the block in ProductionPlan::types
-  std::uint32_t firstRule = 0;                           // Rules, Weights, Blocks: in ProductionPlan::rules
+  std::uint32_t firstRule = 0;                           // Rules and what follows: in ProductionPlan::rules
   std::uint32_t ruleCount = 0;
   std::uint16_t arity = 0;   // parameters of the module
   std::uint16_t copied = 0;  // Fixed: parameters copied, 0 or all
   Kind kind = Kind::General;
-  bool drawsRandom = false;  // Rules, Weights, Blocks: code may draw
+  bool drawsRandom = false;  // the same: code may draw
   bool usesCode = false;     // the same: code needs the Evaluator
 };
 

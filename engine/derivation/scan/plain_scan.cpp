@@ -61,8 +61,10 @@ void PlainScan::scan(std::uint64_t end, ScanPlace& place) {
 PlainScan::Target PlainScan::startWriting(std::uint64_t moduleCount) {
   const ProductionPlan& plan = context_->tables.front().plan;
   ModuleString& output = context_->output;
-  context_->reserveOutput(output.size() + moduleCount * plan.largestLength() + kSlack,
-                          output.parameterCount() + moduleCount * plan.largestParameterCount() + kSlack);
+  const std::uint64_t modules = output.size() + moduleCount * plan.largestLength();
+  const std::uint64_t parameters = output.parameterCount() + moduleCount * plan.largestParameterCount();
+  isNearLimits_ = !context_->isWithinLimits(modules, parameters);
+  context_->reserveOutput(modules + kSlack, parameters + kSlack);
   return {output.typeBuffer().data() + output.size(), output.parameterBuffer().data() + output.parameterCount()};
 }
 
@@ -73,12 +75,13 @@ void PlainScan::stopWriting(const Target& target) {
 }
 
 [[gnu::always_inline]] inline void PlainScan::loadFrame(const ModuleString& old, std::uint64_t offset,
-                                                        std::uint64_t arity) {
+                                                        std::uint64_t arity, std::uint32_t firstSlot) {
+  double* const slots = frame_.data() + firstSlot;
   const double* const parameters = old.parameters().data() + offset;
   if (arity <= kCopiedAtOnce && offset + kCopiedAtOnce <= old.parameterCount()) [[likely]] {
-    std::memcpy(frame_.data(), parameters, kCopiedAtOnce * sizeof(double));
+    std::memcpy(slots, parameters, kCopiedAtOnce * sizeof(double));
   } else {
-    std::copy_n(parameters, arity, frame_.data());
+    std::copy_n(parameters, arity, slots);
   }
 }
 
@@ -130,6 +133,25 @@ void PlainScan::stopWriting(const Target& target) {
   }
 }
 
+template <bool kHasParameters>
+[[gnu::always_inline]] inline void PlainScan::writeFixed(const TypePlan& plan, const ModuleString& old,
+                                                         std::uint64_t offset, Target& target) {
+  std::memcpy(target.type, plan.types.data(), sizeof(plan.types));
+  if (plan.length > TypePlan::kInlineTypes) [[unlikely]] {
+    std::memcpy(target.type, successors_ + plan.firstType, plan.length * sizeof(core::ModuleTypeId));
+  }
+  target.type += plan.length;
+  if constexpr (kHasParameters) {
+    const double* const parameters = old.parameters().data() + offset;
+    if (plan.arity <= kCopiedAtOnce && offset + kCopiedAtOnce <= old.parameterCount()) [[likely]] {
+      std::memcpy(target.parameter, parameters, kCopiedAtOnce * sizeof(double));
+    } else if (plan.copied > 0) {
+      std::memcpy(target.parameter, parameters, plan.copied * sizeof(double));
+    }
+    target.parameter += plan.copied;
+  }
+}
+
 template <bool kDrawsEachPosition, bool kHasParameters>
 void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
   const SystemTables& tables = context_->tables.front();
@@ -137,11 +159,9 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
   const ModuleString& old = *context_->old;
   const core::ModuleTypeId* types = old.types().data();
   const double* parameters = old.parameters().data();
-  const std::uint64_t parameterCount = old.parameterCount();
   std::uint64_t module = place.module;
   std::uint64_t offset = place.offset;
   Target target = startWriting(end - module);
-
   // two modules at a time, where every module becomes the same block each time
   if constexpr (!kDrawsEachPosition && !kHasParameters) {
     if (const FixedBlocks& blocks = tables.batches.fixedBlocks(); blocks.hasTable()) {
@@ -159,29 +179,17 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
 
     // the same modules every time: written whole, however many of them count
     if (plan.kind == TypePlan::Kind::Fixed) [[likely]] {
-      std::memcpy(target.type, plan.types.data(), sizeof(plan.types));
-      if (plan.length > TypePlan::kInlineTypes) [[unlikely]] {
-        std::memcpy(target.type, successors_ + plan.firstType, plan.length * sizeof(core::ModuleTypeId));
-      }
-      target.type += plan.length;
-      if constexpr (kHasParameters) {
-        if (plan.arity <= kCopiedAtOnce && offset + kCopiedAtOnce <= parameterCount) [[likely]] {
-          std::memcpy(target.parameter, parameters + offset, kCopiedAtOnce * sizeof(double));
-        } else if (plan.copied > 0) {
-          std::memcpy(target.parameter, parameters + offset, plan.copied * sizeof(double));
-        }
-        target.parameter += plan.copied;
-        offset += plan.arity;
-      }
+      writeFixed<kHasParameters>(plan, old, offset, target);
+      offset += kHasParameters ? plan.arity : 0;
       ++module;
       continue;
     }
 
-    if (plan.kind == TypePlan::Kind::Blocks || plan.kind == TypePlan::Kind::General) {
+    if (plan.kind == TypePlan::Kind::BlocksOrContexts || plan.kind == TypePlan::Kind::General) {
       stopWriting(target);
       ScanPlace next{module, offset};
-      if (plan.kind == TypePlan::Kind::Blocks) {
-        scanBlocks(end, draw, next);
+      if (plan.kind == TypePlan::Kind::BlocksOrContexts) {
+        scanInFull(end, draw, next);
       } else {
         scanGeneral(end, draw, next);
       }
@@ -192,7 +200,7 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
     }
 
     // productions that only a condition and a weight decide between
-    loadFrame(old, offset, plan.arity);
+    loadFrame(old, offset, plan.arity, 0);
     const QuickRule* const rule = chooseRule(plan, types[module], module, draw);
     if (rule != nullptr) {
       writeSuccessor(*rule, module, target);
@@ -206,6 +214,46 @@ void PlainScan::scanChunk(std::uint64_t end, ScanPlace& place) {
   }
   stopWriting(target);
   place = {module, offset};
+}
+
+void PlainScan::scanInFull(std::uint64_t end, double draw, ScanPlace& place) {
+  const ModuleString& old = *context_->old;
+  const core::ModuleTypeId* const types = old.types().data();
+  const bool drawsEachPosition = context_->drawsEachPosition(*context_->tables.front().system);
+  Target target = startWriting(end - place.module);
+  const TypePlan* plan = &plans_[types[place.module]];
+  while (true) {
+    if (plan->kind == TypePlan::Kind::Fixed) {
+      writeFixed<true>(*plan, old, place.offset, target);
+    } else {
+      rewriteInFull(*plan, place, draw, target);
+    }
+    place.module += 1;
+    place.offset += plan->arity;
+    if (place.module == end) {
+      break;
+    }
+    plan = &plans_[types[place.module]];
+    if (plan->kind != TypePlan::Kind::BlocksOrContexts && plan->kind != TypePlan::Kind::Fixed) {
+      break;
+    }
+    draw = drawsEachPosition ? context_->random.selection(context_->step, place.module) : 0.0;
+  }
+  stopWriting(target);
+}
+
+bool PlainScan::matchesContexts(const QuickRule& rule, ScanPlace place, std::uint64_t arity) {
+  const language::Production& production = *rule.production;
+  loadFrame(*context_->old, place.offset, arity, production.predecessor[0].firstSlot);
+  if (!rule.hasContexts) {
+    return true;
+  }
+  const ContextString& around = context_->rewriter.around();
+  const ContextRules& rules = context_->tables.front().rules;
+  return (production.rightContext.empty() || matchesRight(context_->program, rules, around, production.rightContext,
+                                                          place.module + 1, place.offset + arity, frame_.data())) &&
+         (production.leftContext.empty() || matchesLeft(context_->program, rules, around, production.leftContext,
+                                                        place.module, place.offset, frame_.data()));
 }
 
 bool PlainScan::matches(const QuickRule& rule) {
@@ -229,38 +277,10 @@ void PlainScan::scanGeneral(std::uint64_t end, double draw, ScanPlace& place) {
   }
 }
 
-void PlainScan::scanBlocks(std::uint64_t end, double draw, ScanPlace& place) {
-  const ModuleString& output = context_->output;
-  const core::ModuleTypeId* const types = context_->old->types().data();
-  const bool drawsEachPosition = context_->drawsEachPosition(*context_->tables.front().system);
-  const ProductionPlan& plan = context_->tables.front().plan;
-  const std::uint64_t count = end - place.module;
-  const bool isNearLimits = !context_->isWithinLimits(output.size() + count * plan.largestLength(),
-                                                      output.parameterCount() + count * plan.largestParameterCount());
-  Target target = startWriting(count);
-  while (true) {
-    const TypePlan& typePlan = plans_[types[place.module]];
-    rewriteWithBlocks(typePlan, place, draw, target);
-    // effects of blocks can be seen, so none runs behind a module that exceeds a limit
-    if (isNearLimits) {
-      context_->rewriter.checkSize(static_cast<std::uint64_t>(target.type - output.types().data()),
-                                   static_cast<std::uint64_t>(target.parameter - output.parameters().data()));
-    }
-    place.module += 1;
-    place.offset += typePlan.arity;
-    if (place.module == end || plans_[types[place.module]].kind != TypePlan::Kind::Blocks) {
-      break;
-    }
-    draw = drawsEachPosition ? context_->random.selection(context_->step, place.module) : 0.0;
-  }
-  stopWriting(target);
-}
-
-void PlainScan::rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, double draw, Target& target) {
+void PlainScan::rewriteInFull(const TypePlan& plan, ScanPlace place, double draw, Target& target) {
   const ModuleString& old = *context_->old;
   const core::ModuleTypeId type = old.types()[place.module];
   const double* const parameters = old.parameters().data() + place.offset;
-  loadFrame(old, place.offset, plan.arity);
   context_->evaluator.setModule(place.module, type);
   if (plan.drawsRandom) {
     context_->random.key(core::DrawDomain::Production, context_->step, place.module);
@@ -269,10 +289,11 @@ void PlainScan::rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, 
   const QuickRule* const last = first + plan.ruleCount;
   const QuickRule* rule = nullptr;
   if (context_->tables.front().system->isStochastic) {
+    loadFrame(old, place.offset, plan.arity, 0);
     rule = chooseByWeights(first, last, place.module, draw);
   } else {
     for (const QuickRule* candidate = first; candidate != last && rule == nullptr; ++candidate) {
-      rule = matches(*candidate) ? candidate : nullptr;
+      rule = matchesContexts(*candidate, place, plan.arity) && matches(*candidate) ? candidate : nullptr;
     }
   }
   if (rule == nullptr) {
@@ -283,6 +304,11 @@ void PlainScan::rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, 
       context_->evaluator.run(rule->production->postBlock, frame_.data());
     }
     writeSuccessor(*rule, place.module, target);
+  }
+  // effects of blocks can be seen, so none runs behind a module that exceeds a limit
+  if (isNearLimits_) [[unlikely]] {
+    context_->rewriter.checkSize(static_cast<std::uint64_t>(target.type - context_->output.types().data()),
+                                 static_cast<std::uint64_t>(target.parameter - context_->output.parameters().data()));
   }
 }
 

@@ -31,22 +31,27 @@ class PlainScan {
   void scan(std::uint64_t end, ScanPlace& place);
   template <bool kDrawsEachPosition, bool kHasParameters>
   void scanChunk(std::uint64_t end, ScanPlace& place);
+  template <bool kHasParameters>
+  void writeFixed(const TypePlan& plan, const ModuleString& old, std::uint64_t offset, Target& target);
   [[nodiscard]] Target startWriting(std::uint64_t moduleCount);
   void stopWriting(const Target& target);
-  void loadFrame(const ModuleString& old, std::uint64_t offset, std::uint64_t arity);
+  /// Copies the parameters of a module into the frame, from `firstSlot` on. Slots behind them may change.
+  void loadFrame(const ModuleString& old, std::uint64_t offset, std::uint64_t arity, std::uint32_t firstSlot);
   [[nodiscard]] double evaluate(const QuickValue& value);
   [[nodiscard]] const QuickRule* chooseRule(const TypePlan& plan, core::ModuleTypeId type, std::uint64_t module,
                                             double draw);
   [[nodiscard]] const QuickRule* chooseByWeights(const QuickRule* first, const QuickRule* last, std::uint64_t module,
                                                  double draw);
+  /// Loads the `arity` formal parameters of the rule, and searches its contexts.
+  [[nodiscard]] bool matchesContexts(const QuickRule& rule, ScanPlace place, std::uint64_t arity);
   /// Runs the block before the rule's condition, and asks the condition.
   [[nodiscard]] bool matches(const QuickRule& rule);
-  /// Rewrites the modules from `place` on whose productions have blocks, up to the first of another kind, and moves
-  /// `place` behind them. `draw` is that of the first module.
-  void scanBlocks(std::uint64_t end, double draw, ScanPlace& place);
-  /// The same for those that need the ModuleRewriter.
+  /// Rewrites the modules from `place` on, up to the first that is neither fixed nor has productions with blocks or
+  /// contexts, and moves `place` behind them. `draw` is that of the first module.
+  void scanInFull(std::uint64_t end, double draw, ScanPlace& place);
+  void rewriteInFull(const TypePlan& plan, ScanPlace place, double draw, Target& target);
+  /// The same for those that need the ModuleRewriter, up to the first of another kind.
   void scanGeneral(std::uint64_t end, double draw, ScanPlace& place);
-  void rewriteWithBlocks(const TypePlan& plan, const ScanPlace& place, double draw, Target& target);
   void writeSuccessor(const QuickRule& rule, std::uint64_t module, Target& target);
   [[noreturn]] void failNonFinite(const QuickRule& rule, std::uint32_t valueIndex, double value, std::uint64_t module);
 
@@ -59,6 +64,7 @@ class PlainScan {
   const QuickValue* values_;
   const core::ModuleTypeId* successors_;
   bool storesFloats_;                       // Rewriter::storesFloats
+  bool isNearLimits_ = false;               // the modules that startWriting makes room for may exceed a limit
   bool hasParameters_ = false;              // some module type of the Program has parameters
   std::uint64_t chunkModules_ = 1;          // old modules between two looks at the limits and at `cancelled`
   std::vector<double> frame_;               // formal parameters of the module, free places, the constants of the plan

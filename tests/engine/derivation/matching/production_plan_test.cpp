@@ -35,14 +35,20 @@ TEST(ProductionPlan, ParametersAndConditionsMakeRules) {
 }
 
 TEST(ProductionPlan, RulesMayHaveBlocks) {
-  EXPECT_EQ(kindOf("", "B(x) : {n=x;} * --> A\n", "B", 1), TypePlan::Kind::Blocks);
-  EXPECT_EQ(kindOf("", "B(x) : 1 {x=1;} --> A\n", "B", 1), TypePlan::Kind::Blocks);
-  EXPECT_EQ(kindOf("Start: {n=0;}\n", "A : 1 {n=n+1;} --> A\n", "A", 0), TypePlan::Kind::Blocks);
-  EXPECT_EQ(kindOf("Seed: 1\n", "A : {n=1;} n>0 --> x : 1\nA --> y : 2\n", "A", 0), TypePlan::Kind::Blocks);
+  EXPECT_EQ(kindOf("", "B(x) : {n=x;} * --> A\n", "B", 1), TypePlan::Kind::BlocksOrContexts);
+  EXPECT_EQ(kindOf("", "B(x) : 1 {x=1;} --> A\n", "B", 1), TypePlan::Kind::BlocksOrContexts);
+  EXPECT_EQ(kindOf("Start: {n=0;}\n", "A : 1 {n=n+1;} --> A\n", "A", 0), TypePlan::Kind::BlocksOrContexts);
+  EXPECT_EQ(kindOf("Seed: 1\n", "A : {n=1;} n>0 --> x : 1\nA --> y : 2\n", "A", 0), TypePlan::Kind::BlocksOrContexts);
+}
+
+TEST(ProductionPlan, RulesMayHaveContextsWhereNoWeightDecides) {
+  EXPECT_EQ(kindOf("", "A < B(x) --> A\n", "B", 1), TypePlan::Kind::BlocksOrContexts);
+  EXPECT_EQ(kindOf("", "A(y) < B(x) > C : {n=x;} y>n --> A\nB(x) --> C\n", "B", 1), TypePlan::Kind::BlocksOrContexts);
+  EXPECT_EQ(kindOf("Seed: 1\n", "A < B(x) --> A : 1\nB(x) --> C : 2\n", "B", 1), TypePlan::Kind::General);
+  EXPECT_EQ(kindOf("", "A << B(x) --> A\n", "B", 1), TypePlan::Kind::General);
 }
 
 TEST(ProductionPlan, EverythingElseIsGeneral) {
-  EXPECT_EQ(kindOf("", "A < B(x) --> A\n", "B", 1), TypePlan::Kind::General);
   EXPECT_EQ(kindOf("", "AB(x) --> A\n", "A", 0), TypePlan::Kind::General);
   // the candidates of a module share its formal parameters
   EXPECT_EQ(kindOf("", "B(x) : {x=1;} x>0 --> A\n", "B", 1), TypePlan::Kind::General);
@@ -54,11 +60,13 @@ TEST(ProductionPlan, EverythingElseIsGeneral) {
 TEST(ProductionPlan, AProductionWithoutConditionHidesLaterOnes) {
   DerivedModel model(modelText("", "A", "A --> x\nB < A --> y\nA : Q>1 --> z\n"));
   const ProductionPlan plan(model.program(), model.program().systems[0]);
-  // the second one has a context, so nothing is decided here
-  EXPECT_EQ(plan[model.program().findType("A", 0)].kind, TypePlan::Kind::General);
-  DerivedModel quick(modelText("", "A", "A --> x\nA : Q>1 --> z\n"));
-  const ProductionPlan quickPlan(quick.program(), quick.program().systems[0]);
-  EXPECT_EQ(quickPlan[quick.program().findType("A", 0)].kind, TypePlan::Kind::Fixed);
+  EXPECT_EQ(plan[model.program().findType("A", 0)].kind, TypePlan::Kind::Fixed);
+  // one with a context applies only where it matches
+  DerivedModel context(modelText("", "A", "B < A --> y\nA --> x\n"));
+  const ProductionPlan contextPlan(context.program(), context.program().systems[0]);
+  const TypePlan& contextType = contextPlan[context.program().findType("A", 0)];
+  EXPECT_EQ(contextType.kind, TypePlan::Kind::BlocksOrContexts);
+  EXPECT_EQ(contextType.ruleCount, 2U);
 }
 
 TEST(ProductionPlan, WeightsAreWalkedInOrder) {
