@@ -72,7 +72,7 @@ Interpretation::Interpretation(const Subject& subject, const InterpretationOutpu
 
 void Interpretation::run() {
   derivation_.beginInterpretation(plantState_);
-  const std::jthread firstTouch = reserveOutput();
+  const std::array<std::jthread, 2> firstTouch = reserveOutput();
   walkAll();
   derivation_.endInterpretation(plantState_);
   drawing_.finish();
@@ -125,8 +125,8 @@ void Interpretation::walkAll() {
   walk(module, plantState_.string.size(), offset);
 }
 
-// returns the thread that touches the new memory
-std::jthread Interpretation::reserveOutput() {
+// returns the threads that touch the new memory
+std::array<std::jthread, 2> Interpretation::reserveOutput() {
   // images and cuts make the output unlike the string; queries are collected into the same memory in every step
   if (tables_.hasImages || tables_.hasCut || plantState_.string.size() < kSmallestReserved ||
       (output_.scene == nullptr && output_.records == nullptr)) {
@@ -140,22 +140,22 @@ std::jthread Interpretation::reserveOutput() {
     records += (adds & InterpretationTables::kRecord) / InterpretationTables::kRecord;
   }
   // grown at least by half, so that many plants do not copy one another again and again
-  std::jthread firstTouch;
-  const auto reserve = [&](auto& list, std::size_t count) {
+  std::array<std::jthread, 2> firstTouch;
+  const auto reserve = [&](auto& list, std::size_t count, std::jthread& touch) {
     if (list.size() + count <= list.capacity()) {
       return;
     }
     list.reserve(std::max(list.size() + count, list.capacity() + list.capacity() / 2));
     core::adviseHugePages(list.data() + list.size(), (list.capacity() - list.size()) * sizeof(list[0]));
     if (derivation_.options().threads > 1) {
-      firstTouch = core::populatePagesFromEnd(list.data() + list.size(), count * sizeof(list[0]));
+      touch = core::populatePagesFromEnd(list.data() + list.size(), count * sizeof(list[0]));
     }
   };
   if (output_.scene != nullptr) {
-    reserve(output_.scene->segments, segments);
+    reserve(output_.scene->segments, segments, firstTouch[0]);
   }
   if (output_.records != nullptr) {
-    reserve(*output_.records, records);
+    reserve(*output_.records, records, firstTouch[1]);
   }
   return firstTouch;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <set>
@@ -117,7 +118,7 @@ class Interpretation {
   };
 
   // the walk
-  [[nodiscard]] std::jthread reserveOutput();
+  [[nodiscard]] std::array<std::jthread, 2> reserveOutput();
   void walk(std::uint64_t& module, std::uint64_t end, std::uint64_t& offset);
   void walkAll();
   void walkImage();

@@ -204,7 +204,7 @@ class MeshPipeline {
   std::condition_variable changed_;
   std::deque<std::unique_ptr<Slot>> slots_;  // of the tasks from `used_` to `toMake_`
   std::vector<std::unique_ptr<Slot>> free_;  // the last one was used last
-  std::size_t heldBytes_ = 0;                // of the spelled tasks
+  std::size_t heldBytes_ = 0;                // of the tasks that wait, made or spelled
   std::size_t toMake_ = 0;                   // the tasks below it are made, or a thread makes them
   std::size_t toNumber_ = 0;                 // the tasks below it are numbered
   std::size_t toSpell_ = 0;                  // the tasks below it are spelled, or a thread spells them
