@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <queue>
 
+#include "engine/core/index_lists.h"
+#include "engine/core/index_set.h"
+#include "engine/core/point_grid.h"
 #include "engine/core/work_meter.h"
 
 namespace espalier::core {
@@ -24,203 +28,259 @@ std::array<Vec3, 2> planeAxes(const Vec3& normal) {
   return {u, cross(normal, u)};
 }
 
-/// Points in the cells of a grid, to find those near a triangle. A point is in it once.
-class PointGrid {
- public:
-  explicit PointGrid(const std::vector<Point>& points)
-      : points_(points),
-        side_(static_cast<std::uint32_t>(std::clamp(std::sqrt(static_cast<double>(points.size())), 1.0, kMostCells))),
-        low_(points[0]),
-        first_(std::size_t{side_} * side_, kNone),
-        next_(points.size(), kNone),
-        before_(points.size(), kNone) {
-    Point high = low_;
-    for (const Point& p : points) {
-      for (std::size_t axis = 0; axis < 2; ++axis) {
-        low_[axis] = std::min(low_[axis], p[axis]);
-        high[axis] = std::max(high[axis], p[axis]);
-      }
-    }
-    for (std::size_t axis = 0; axis < 2; ++axis) {
-      const double extent = high[axis] - low_[axis];
-      scale_[axis] = extent > 0.0 ? side_ / extent : 0.0;
-    }
-  }
+using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
-  void insert(std::uint32_t point) {
-    std::uint32_t& first = first_[cellOf(points_[point])];
-    before_[point] = kNone;
-    next_[point] = first;
-    if (first != kNone) {
-      before_[first] = point;
-    }
-    first = point;
-  }
-
-  void remove(std::uint32_t point) {
-    const std::uint32_t before = before_[point];
-    const std::uint32_t next = next_[point];
-    (before != kNone ? next_[before] : first_[cellOf(points_[point])]) = next;
-    if (next != kNone) {
-      before_[next] = before;
-    }
-  }
-
-  /// Whether `holds` of any point in the cells that a triangle's bounds touch.
-  template <typename Holds>
-  [[nodiscard]] bool anyNear(const Point& a, const Point& b, const Point& c, const Holds& holds) const {
-    const std::uint32_t left = placeOf(std::min({a[0], b[0], c[0]}), 0);
-    const std::uint32_t right = placeOf(std::max({a[0], b[0], c[0]}), 0);
-    const std::uint32_t top = placeOf(std::max({a[1], b[1], c[1]}), 1);
-    for (std::uint32_t row = placeOf(std::min({a[1], b[1], c[1]}), 1); row <= top; ++row) {
-      for (std::uint32_t column = left; column <= right; ++column) {
-        for (std::uint32_t k = first_[std::size_t{row} * side_ + column]; k != kNone; k = next_[k]) {
-          if (holds(k)) {
-            return true;
-          }
-        }
-      }
-    }
-    return false;
-  }
-
- private:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
-  static constexpr double kMostCells = 1024.0;  // of a side
-
-  // never falls where the coordinate grows
-  [[nodiscard]] std::uint32_t placeOf(double coordinate, std::size_t axis) const {
-    return std::min(static_cast<std::uint32_t>((coordinate - low_[axis]) * scale_[axis]), side_ - 1);
-  }
-  [[nodiscard]] std::size_t cellOf(const Point& p) const {
-    return std::size_t{placeOf(p[1], 1)} * side_ + placeOf(p[0], 0);
-  }
-
-  const std::vector<Point>& points_;
-  std::uint32_t side_;  // cells
-  Point low_;
-  Point scale_{};                             // cells per unit
-  std::vector<std::uint32_t> first_;          // by cell
-  std::vector<std::uint32_t> next_, before_;  // in the cell, by point
-};
-
-constexpr std::size_t kLargePolygon = 64;            // corners from which a grid saves more than it costs
+constexpr std::uint32_t kNone = IndexLists::kNone;
+constexpr std::size_t kManyCorners = 64;             // from which a grid saves more than it costs
 constexpr std::uint32_t kCornersBetweenPolls = 256;  // looked at
 
-/// The rest of a polygon while ears are cut off: a ring of vertices.
-class EarClipper {
+/// The corners that a polygon still has while others are cut off.
+class Ring {
  public:
-  explicit EarClipper(const std::vector<Point>& points)
-      : points_(points), next_(points.size()), before_(points.size()) {
+  explicit Ring(const std::vector<Point>& points) : points_(points), next_(points.size()), before_(points.size()) {
     const auto count = static_cast<std::uint32_t>(points.size());
     for (std::uint32_t i = 0; i < count; ++i) {
       next_[i] = (i + 1) % count;
       before_[i] = (i + count - 1) % count;
     }
-    if (count < kLargePolygon) {
-      return;
-    }
-    hollows_.emplace(points);
-    isHollow_.resize(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      updateHollow(i);
-    }
   }
 
-  [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> clip();
+  [[nodiscard]] std::uint32_t next(std::uint32_t i) const { return next_[i]; }
+  [[nodiscard]] std::uint32_t before(std::uint32_t i) const { return before_[i]; }
+  [[nodiscard]] const Point& point(std::uint32_t i) const { return points_[i]; }
+  /// Whether a corner was not cut off.
+  [[nodiscard]] bool has(std::uint32_t i) const { return next_[before_[i]] == i; }
+  [[nodiscard]] std::array<std::uint32_t, 3> triangleAt(std::uint32_t i) const { return {before_[i], i, next_[i]}; }
 
- private:
+  /// Twice the area of the triangle at a corner. Above 0: the corner is convex.
   [[nodiscard]] double turnAt(std::uint32_t i) const {
     return doubleArea(points_[before_[i]], points_[i], points_[next_[i]]);
   }
-  [[nodiscard]] bool isEar(std::uint32_t i) const;
-  void cutOff(std::uint32_t i);
-  void updateHollow(std::uint32_t i);
 
-  const std::vector<Point>& points_;
-  std::vector<std::uint32_t> next_, before_;
-  // of a large polygon: the corners of the ring that are not convex; only these can lie in an ear
-  std::optional<PointGrid> hollows_;
-  std::vector<bool> isHollow_;
-};
-
-void EarClipper::updateHollow(std::uint32_t i) {
-  const bool isHollow = !(turnAt(i) > 0.0);
-  if (isHollow != isHollow_[i]) {
-    isHollow ? hollows_->insert(i) : hollows_->remove(i);
-    isHollow_[i] = isHollow;
-  }
-}
-
-void EarClipper::cutOff(std::uint32_t i) {
-  next_[before_[i]] = next_[i];
-  before_[next_[i]] = before_[i];
-  if (hollows_) {
-    if (isHollow_[i]) {
-      hollows_->remove(i);
-    }
-    updateHollow(before_[i]);
-    updateHollow(next_[i]);
-  }
-}
-
-// convex, and no other vertex inside or on the triangle
-bool EarClipper::isEar(std::uint32_t i) const {
-  const Point& a = points_[before_[i]];
-  const Point& b = points_[i];
-  const Point& c = points_[next_[i]];
-  if (!(doubleArea(a, b, c) > 0.0)) {
-    return false;
-  }
-  const auto isInside = [&](std::uint32_t k) {
+  /// Whether the convex triangle at corner i has corner k in it or on it.
+  [[nodiscard]] bool isInside(std::uint32_t k, std::uint32_t i) const {
+    const Point& a = points_[before_[i]];
+    const Point& b = points_[i];
+    const Point& c = points_[next_[i]];
     const Point& p = points_[k];
     // a vertex at a corner is allowed: polygons may touch themselves
     return p != a && p != b && p != c && doubleArea(a, b, p) >= 0.0 && doubleArea(b, c, p) >= 0.0 &&
            doubleArea(c, a, p) >= 0.0;
-  };
-  if (hollows_) {
-    return !hollows_->anyNear(a, b, c, isInside);
   }
-  for (std::uint32_t k = next_[next_[i]]; k != before_[i]; k = next_[k]) {
-    if (!(turnAt(k) > 0.0) && isInside(k)) {
+
+  void cutOff(std::uint32_t i) {
+    next_[before_[i]] = next_[i];
+    before_[next_[i]] = before_[i];
+  }
+
+ private:
+  const std::vector<Point>& points_;
+  std::vector<std::uint32_t> next_, before_;
+};
+
+// convex, and no other vertex inside or on the triangle
+bool isEar(const Ring& ring, std::uint32_t i) {
+  if (!(ring.turnAt(i) > 0.0)) {
+    return false;
+  }
+  for (std::uint32_t k = ring.next(ring.next(i)); k != ring.before(i); k = ring.next(k)) {
+    if (!(ring.turnAt(k) > 0.0) && ring.isInside(k, i)) {
       return false;
     }
   }
   return true;
 }
 
-std::vector<std::array<std::uint32_t, 3>> EarClipper::clip() {
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  auto left = static_cast<std::uint32_t>(points_.size());
+// the triangles of a polygon of few corners: goes round and compares each corner with all others
+Triangles clipFew(const std::vector<Point>& points) {
+  Ring ring(points);
+  Triangles triangles;
+  auto left = static_cast<std::uint32_t>(points.size());
   triangles.reserve(left);
   std::uint32_t at = 0;
   std::uint32_t tried = 0;
   std::uint32_t bestFallback = 0;
-  std::uint32_t looks = 0;
   while (left > 3) {
-    if (++looks % kCornersBetweenPolls == 0) {
-      pollWork();
-    }
-    const bool isFlat = turnAt(at) == 0.0;
-    if (isFlat || isEar(at) || tried == left) {
+    const bool isFlat = ring.turnAt(at) == 0.0;
+    if (isFlat || isEar(ring, at) || tried == left) {
       // a polygon that crosses itself may have no ear: cut off the corner that turns most
       const std::uint32_t cut = tried == left ? bestFallback : at;
-      triangles.push_back({before_[cut], cut, next_[cut]});
-      cutOff(cut);
-      at = next_[next_[cut]];
+      triangles.push_back(ring.triangleAt(cut));
+      ring.cutOff(cut);
+      at = ring.next(ring.next(cut));
       --left;
       tried = 0;
       bestFallback = at;
       continue;
     }
-    if (turnAt(at) > turnAt(bestFallback)) {
+    if (ring.turnAt(at) > ring.turnAt(bestFallback)) {
       bestFallback = at;
     }
-    at = next_[at];
+    at = ring.next(at);
     ++tried;
   }
-  triangles.push_back({before_[at], at, next_[at]});
+  triangles.push_back(ring.triangleAt(at));
   return triangles;
+}
+
+/// Cuts a polygon of many corners: goes round as clipFew() and cuts the same corners, but passes over those that are
+/// known to be no ears. A corner that is no ear stays so until its triangle changes or the corner in it that was found,
+/// its blocker, is gone or becomes convex.
+class ManyCornersClipper {
+ public:
+  explicit ManyCornersClipper(const std::vector<Point>& points);
+
+  [[nodiscard]] Triangles clip();
+
+ private:
+  [[nodiscard]] std::uint32_t nextOpen(std::uint32_t at) const;
+  [[nodiscard]] bool isEar(std::uint32_t i);
+  [[nodiscard]] std::uint32_t cornerThatTurnsMost(std::uint32_t at);
+  void cutOff(std::uint32_t i);
+  void triangleChanged(std::uint32_t i);
+  void setHollow(std::uint32_t i, bool isHollow);
+  void removeBlocker(std::uint32_t i);
+
+  struct Turn {
+    double doubleArea;
+    std::uint32_t corner;
+    // of equal turns the corner with the lower number is cut first
+    bool operator<(const Turn& other) const {
+      return doubleArea != other.doubleArea ? doubleArea < other.doubleArea : corner > other.corner;
+    }
+  };
+
+  Ring ring_;
+  std::uint32_t left_;                   // corners of the ring
+  IndexSet open_;                        // the corners of the ring that may be ears
+  PointGrid hollows_;                    // the corners of the ring that are not convex; only these can lie in an ear
+  std::vector<bool> isHollow_;           // by corner
+  IndexLists blocked_;                   // by blocker: the corners that it keeps from being ears
+  std::vector<std::uint32_t> blockers_;  // by corner; kNone: it is open, gone or not convex
+  // the turns of all corners, from the first time that no corner is an ear. Also holds turns that have changed since
+  std::optional<std::priority_queue<Turn>> turns_;
+};
+
+ManyCornersClipper::ManyCornersClipper(const std::vector<Point>& points)
+    : ring_(points),
+      left_(static_cast<std::uint32_t>(points.size())),
+      open_(left_),
+      hollows_(points),
+      isHollow_(left_),
+      blocked_(left_, left_),
+      blockers_(left_, kNone) {
+  for (std::uint32_t i = 0; i < left_; ++i) {
+    open_.insert(i);
+    setHollow(i, !(ring_.turnAt(i) > 0.0));
+  }
+}
+
+Triangles ManyCornersClipper::clip() {
+  Triangles triangles;
+  triangles.reserve(left_);
+  std::uint32_t at = 0;
+  std::uint32_t looks = 0;
+  while (left_ > 3) {
+    if (++looks % kCornersBetweenPolls == 0) {
+      pollWork();
+    }
+    std::uint32_t cut = nextOpen(at);
+    if (cut == kNone) {
+      // a polygon that crosses itself may have no ear
+      cut = cornerThatTurnsMost(at);
+    } else if (ring_.turnAt(cut) != 0.0 && !isEar(cut)) {
+      open_.erase(cut);
+      continue;
+    }
+    triangles.push_back(ring_.triangleAt(cut));
+    cutOff(cut);
+    at = ring_.next(ring_.next(cut));
+  }
+  triangles.push_back(ring_.triangleAt(at));
+  return triangles;
+}
+
+// the first open corner from `at` on round the ring; kNone: there is none
+std::uint32_t ManyCornersClipper::nextOpen(std::uint32_t at) const {
+  const std::uint32_t corner = open_.from(at);
+  return corner != kNone ? corner : open_.from(0);
+}
+
+// convex, and no other vertex inside or on the triangle. Notes the blocker
+bool ManyCornersClipper::isEar(std::uint32_t i) {
+  if (isHollow_[i]) {
+    return false;
+  }
+  const std::uint32_t blocker =
+      hollows_.findNear(ring_.point(ring_.before(i)), ring_.point(i), ring_.point(ring_.next(i)),
+                        [&](std::uint32_t k) { return ring_.isInside(k, i); });
+  if (blocker == kNone) {
+    return true;
+  }
+  blocked_.insert(blocker, i);
+  blockers_[i] = blocker;
+  return false;
+}
+
+std::uint32_t ManyCornersClipper::cornerThatTurnsMost(std::uint32_t at) {
+  if (!turns_) {
+    turns_.emplace();
+    for (std::uint32_t left = left_; left > 0; --left, at = ring_.next(at)) {
+      turns_->push({ring_.turnAt(at), at});
+    }
+  }
+  while (!turns_->empty()) {
+    const Turn turn = turns_->top();
+    turns_->pop();
+    if (ring_.has(turn.corner) && ring_.turnAt(turn.corner) == turn.doubleArea) {
+      return turn.corner;
+    }
+  }
+  return at;  // the areas are no numbers
+}
+
+void ManyCornersClipper::cutOff(std::uint32_t i) {
+  ring_.cutOff(i);
+  --left_;
+  open_.erase(i);
+  removeBlocker(i);
+  setHollow(i, false);
+  triangleChanged(ring_.before(i));
+  triangleChanged(ring_.next(i));
+}
+
+void ManyCornersClipper::triangleChanged(std::uint32_t i) {
+  removeBlocker(i);
+  open_.insert(i);
+  const double turn = ring_.turnAt(i);
+  setHollow(i, !(turn > 0.0));
+  if (turns_) {
+    turns_->push({turn, i});
+  }
+}
+
+void ManyCornersClipper::setHollow(std::uint32_t i, bool isHollow) {
+  if (isHollow == isHollow_[i]) {
+    return;
+  }
+  isHollow_[i] = isHollow;
+  if (isHollow) {
+    hollows_.insert(i);
+    return;
+  }
+  hollows_.remove(i);
+  // it blocks no corner any longer
+  for (std::uint32_t k = blocked_.first(i); k != kNone; k = blocked_.first(i)) {
+    removeBlocker(k);
+    open_.insert(k);
+  }
+}
+
+void ManyCornersClipper::removeBlocker(std::uint32_t i) {
+  if (blockers_[i] != kNone) {
+    blocked_.remove(blockers_[i], i);
+    blockers_[i] = kNone;
+  }
 }
 
 }  // namespace
@@ -249,7 +309,7 @@ std::vector<std::array<std::uint32_t, 3>> triangulate(std::span<const Vec3> vert
     return {};
   }
   const std::vector<Point> points = projectedCorners(vertices, normalised(normal));
-  return EarClipper(points).clip();
+  return points.size() < kManyCorners ? clipFew(points) : ManyCornersClipper(points).clip();
 }
 
 }  // namespace espalier::core

@@ -15,8 +15,8 @@ namespace espalier::core {
 
 /// The vertexCount - 2 triangles of a simple polygon, as indices of its vertices, with the orientation of the polygon.
 /// Cuts ears off the projection along `normal`. A polygon that crosses itself gives as many triangles, which cover it
-/// somehow. Vertices may repeat. O(n²) at worst, O(n) for convex polygons, about O(n^1.5) for curves of space. Throws
-/// WorkStopped.
+/// somehow. Vertices may repeat. About O(n log n), also where the polygon crosses itself everywhere; O(n^1.5) with many
+/// long spikes; O(n²) when most vertices lie in a few places. Throws WorkStopped.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> triangulate(std::span<const Vec3> vertices, const Vec3& normal);
 
 /// The corners of a polygon in the plane of the unit vector `normal`, relative to the first corner. Counter-clockwise
