@@ -271,6 +271,11 @@ SweptCylinder::SweptCylinder(const GeneralizedCylinder& cylinder, const files::V
   measure(cylinder.texture > 0 ? view.textures[static_cast<std::size_t>(cylinder.texture) - 1].ratio : 0.0);
 }
 
+std::size_t SweptCylinder::faceCountOf(const CylinderRun& run) const {
+  const std::size_t rows = firstSampleOf(run.first + run.count) - firstSampleOf(run.first);
+  return rows * static_cast<std::size_t>(sides_);
+}
+
 void SweptCylinder::appendRun(Mesh& mesh, const CylinderRun& run) const {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   const auto columns = static_cast<std::uint32_t>(sides_);

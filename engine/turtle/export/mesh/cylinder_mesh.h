@@ -37,6 +37,8 @@ class SweptCylinder {
   [[nodiscard]] const std::vector<CylinderRun>& runs() const { return runs_; }
   /// O(stretches of the run).
   void appendRun(Mesh& mesh, const CylinderRun& run) const;
+  /// The number of faces of a run, without flat ends.
+  [[nodiscard]] std::size_t faceCountOf(const CylinderRun& run) const;
 
  private:
   /// A place on the axis.

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -23,9 +24,10 @@ namespace espalier::turtle {
 
 namespace {
 
-constexpr std::size_t kTaskParts = 64;       // parts of the scene that one task turns into triangles
-constexpr std::size_t kRoundTasks = 16;      // tasks before the triangles are drawn
-constexpr std::size_t kMostStanding = 1000;  // copies whose contact with the ground is drawn
+constexpr std::size_t kTaskPieces = 64;       // most pieces of the scene that one task turns into triangles
+constexpr std::size_t kTaskTriangles = 4096;  // about so many triangles at most, or those of one piece
+constexpr std::size_t kRoundTasks = 16;       // tasks before the triangles are drawn
+constexpr std::size_t kMostStanding = 1000;   // copies whose contact with the ground is drawn
 
 /// The parts of all copies of the scenes of a picture.
 class PlacedGeometry {
@@ -125,8 +127,9 @@ PictureBounds boundsOf(const PlacedGeometry& geometry, const Projection& project
   return all;
 }
 
-/// Draws all parts into some rows of a picture. Parts become triangles, which are sorted into tiles, and these are
-/// drawn: a round of parts at a time. While tiles of one round are drawn, the triangles of the next are made.
+/// Draws all parts into some rows of a picture. Pieces of parts become triangles, which are sorted into tiles, and
+/// these are drawn: a round of pieces at a time. While tiles of one round are drawn, the triangles of the next are
+/// made.
 class PartsDrawing {
  public:
   PartsDrawing(const PlacedGeometry& geometry, const RasterCamera& camera, RasterTarget& target)
@@ -137,31 +140,36 @@ class PartsDrawing {
   }
 
   void draw(core::WorkerTeam& team, const std::function<void(std::size_t)>& report) {
-    constexpr std::size_t kRoundParts = kTaskParts * kRoundTasks;
-    const std::size_t roundCount = (geometry_.partCount() + kRoundParts - 1) / kRoundParts;
-    for (std::size_t number = 0; number <= roundCount; ++number) {
+    for (std::size_t number = 0; number == 0 || rounds_[(number + 1) % 2].taskCount > 0; ++number) {
       Round& next = rounds_[number % 2];
       const Round& ready = rounds_[(number + 1) % 2];
-      next.begin(number * kRoundParts, std::min(geometry_.partCount(), (number + 1) * kRoundParts));
+      plan(next);
       // the fullest tiles first, so that no thread comes late to one; the small tasks at the end fill the time
       const std::size_t tileCount = ready.fullTiles.size();
       team.forEach(tileCount + next.taskCount, [&](std::size_t task) {
         if (task < tileCount) {
           drawTile(ready, ready.fullTiles[task]);
         } else {
-          makeTriangles(next, task - tileCount);
+          makeTriangles(next.made[task - tileCount]);
         }
       });
       next.sortIntoTiles();
       if (number > 0) {
-        report(std::min(geometry_.partCount(), number * kRoundParts));
+        report(ready.endPart);
       }
     }
   }
 
  private:
-  /// The result of one task for its parts: triangles, and the tiles in which each of them is seen.
+  /// A part of the scene, or one run of a long generalized cylinder.
+  struct Piece {
+    std::size_t part = 0;
+    std::shared_ptr<const SweptCylinder> cylinder;  // null: the whole part
+    std::size_t run = 0;
+  };
+  /// The pieces of one task and its result: triangles, and the tiles in which each of them is seen.
   struct Made {
+    std::vector<Piece> pieces;
     std::vector<RasterTriangle> triangles;
     std::vector<std::pair<std::size_t, std::uint32_t>> places;  // tile and number of the triangle
   };
@@ -170,16 +178,14 @@ class PartsDrawing {
     std::uint32_t triangle = 0;
   };
   struct Round {
-    std::size_t firstPart = 0, endPart = 0;
+    std::size_t endPart = 0;  // behind the last part of which all pieces are in this round or one before it
     std::size_t taskCount = 0;
     std::vector<Made> made = std::vector<Made>(kRoundTasks);  // the first `taskCount` of them
     std::vector<std::vector<Reference>> tiles;                // the triangles in each, in order
     std::vector<std::size_t> fullTiles;                       // those with triangles
 
-    void begin(std::size_t first, std::size_t end) {
-      firstPart = std::min(first, end);
-      endPart = end;
-      taskCount = (endPart - firstPart + kTaskParts - 1) / kTaskParts;
+    void clear() {
+      taskCount = 0;
       for (const std::size_t tile : fullTiles) {
         tiles[tile].clear();
       }
@@ -199,16 +205,61 @@ class PartsDrawing {
     }
   };
 
-  void makeTriangles(Round& round, std::size_t task) const {
-    auto& [triangles, places] = round.made[task];
+  // fills a round with the next pieces; tasks with many triangles get few pieces
+  void plan(Round& round) {
+    round.clear();
+    while (round.taskCount < kRoundTasks && (cylinder_ || nextPart_ < geometry_.partCount())) {
+      std::vector<Piece>& pieces = round.made[round.taskCount++].pieces;
+      pieces.clear();
+      std::size_t triangleCount = 0;
+      while (pieces.size() < kTaskPieces && triangleCount < kTaskTriangles &&
+             (cylinder_ || nextPart_ < geometry_.partCount())) {
+        triangleCount += takePiece(pieces);
+      }
+    }
+    round.endPart = nextPart_ - (cylinder_ ? 1 : 0);
+  }
+
+  // about how many triangles the next piece has
+  std::size_t takePiece(std::vector<Piece>& pieces) {
+    if (!cylinder_) {
+      const std::size_t part = nextPart_++;
+      const PlacedGeometry::Item item = geometry_.item(part);
+      const RasterGeometry& parts = item.scene.geometry;
+      cylinder_ = parts.longCylinder(item.part);
+      nextRun_ = 0;
+      if (!cylinder_) {
+        pieces.push_back({part, nullptr, 0});
+        return parts.triangleCountOf(item.part);
+      }
+      if (!parts.isVisible(item.part, item.placement, camera_.projection())) {
+        cylinder_ = nullptr;
+        return 0;
+      }
+    }
+    pieces.push_back({nextPart_ - 1, cylinder_, nextRun_});
+    const std::size_t triangleCount = 2 * cylinder_->faceCountOf(cylinder_->runs()[nextRun_]);
+    if (++nextRun_ == cylinder_->runs().size()) {
+      cylinder_ = nullptr;
+    }
+    return triangleCount;
+  }
+
+  void makeTriangles(Made& made) const {
+    auto& [pieces, triangles, places] = made;
     triangles.clear();
     places.clear();
-    const std::size_t first = round.firstPart + task * kTaskParts;
-    for (std::size_t part = first; part < std::min(round.endPart, first + kTaskParts); ++part) {
-      const PlacedGeometry::Item item = geometry_.item(part);
+    for (const Piece& piece : pieces) {
+      const PlacedGeometry::Item item = geometry_.item(piece.part);
+      const RasterGeometry& parts = item.scene.geometry;
+      const auto organ = static_cast<std::uint32_t>(piece.part);
       std::size_t kept = triangles.size();
-      item.scene.geometry.append(item.part, item.placement, camera_, *item.scene.shading,
-                                 static_cast<std::uint32_t>(part), triangles);
+      if (piece.cylinder) {
+        parts.appendRun(item.part, *piece.cylinder, piece.cylinder->runs()[piece.run], item.placement, camera_,
+                        *item.scene.shading, organ, triangles);
+      } else {
+        parts.append(item.part, item.placement, camera_, *item.scene.shading, organ, triangles);
+      }
       // in the picture of a large plant most triangles are smaller than a sample and meet none
       for (std::size_t i = kept; i < triangles.size(); ++i) {
         const auto [left, right, upper, lower] = target_.tilesOf(triangles[i]);
@@ -239,6 +290,9 @@ class PartsDrawing {
   RasterTarget& target_;
   const int tileColumns_;
   std::array<Round, 2> rounds_;
+  std::size_t nextPart_ = 0;                       // the first that no round has begun with
+  std::shared_ptr<const SweptCylinder> cylinder_;  // the part before it, while runs of it are left
+  std::size_t nextRun_ = 0;
 };
 
 // where the plants stand; only the page of the model shows it: a white or transparent one is for other pages

@@ -20,6 +20,8 @@ namespace {
 
 constexpr int kLeastTubeSides = 12;
 constexpr int kMostTubeSides = 64;
+constexpr std::size_t kLongCylinder = 2 * kLongestRun;  // control points beyond which it is drawn in pieces
+constexpr std::size_t kFewTriangles = 32;               // of a line, ball, label or tube
 constexpr double kSharpestJoint = -0.7;  // cosine of the largest turn that two pieces of a line can share a ring at
 
 Vec3 directionOf(const Segment& segment) {
@@ -183,6 +185,9 @@ bool RasterGeometry::isVisible(std::size_t number, const ScenePlacement& placeme
     return projection.isVisible(placedPoint(placement, ball.centre) +
                                 0.5 * placement.scale * ball.diameter * projection.towardViewer());
   }
+  if (!projection.isPerspective()) {
+    return true;
+  }
   bool isAllSeen = true;
   forMeshes(part, placement, [&](const Mesh& mesh, const Wear&) {
     isAllSeen =
@@ -283,6 +288,54 @@ void RasterGeometry::append(std::size_t number, const ScenePlacement& placement,
     look.isThin = !isTube && part.kind != Kind::Cylinder;
     RasterPen(camera, shading, look, organ, triangles).mesh(mesh);
   });
+}
+
+std::shared_ptr<const SweptCylinder> RasterGeometry::longCylinder(std::size_t number) const {
+  const Part part = partAt(number);
+  if (part.kind != Kind::Cylinder || scene_.cylinders[part.index].points.size() <= kLongCylinder) {
+    return nullptr;
+  }
+  return std::make_shared<SweptCylinder>(scene_.cylinders[part.index], view_);
+}
+
+void RasterGeometry::appendRun(std::size_t number, const SweptCylinder& cylinder, const CylinderRun& run,
+                               const ScenePlacement& placement, const RasterCamera& camera,
+                               const RasterShading& shading, std::uint32_t organ,
+                               std::vector<RasterTriangle>& triangles) const {
+  Mesh mesh;
+  cylinder.appendRun(mesh, run);
+  place(mesh, placement);
+  const Look look = shading.lookOfIndex(run.colour, scene_.cylinders[partAt(number).index].texture);
+  RasterPen(camera, shading, look, organ, triangles).mesh(mesh);
+}
+
+std::size_t RasterGeometry::triangleCountOf(std::size_t number) const {
+  const Part part = partAt(number);
+  switch (part.kind) {
+    case Kind::Cylinder: {
+      std::size_t strips = 0;
+      std::size_t sides = 0;
+      for (const CylinderPoint& point : scene_.cylinders[part.index].points) {
+        strips += static_cast<std::size_t>(point.stripCount);
+        sides = std::max(sides, static_cast<std::size_t>(point.sideCount));
+      }
+      return 2 * strips * sides;
+    }
+    case Kind::Surface:
+      return 2 * localSurface(scene_.surfaces[part.index]).faces.size();
+    case Kind::Patch: {
+      const Patch& patch = scene_.patches[part.index];
+      return 2 * static_cast<std::size_t>(patch.subdivisionS) * static_cast<std::size_t>(patch.subdivisionT);
+    }
+    case Kind::Polygon:
+      return scene_.polygons[part.index].vertices.size();
+    case Kind::Tube:
+    case Kind::Segment:
+    case Kind::Ball:
+    case Kind::Label:
+      break;
+  }
+  return kFewTriangles;
 }
 
 }  // namespace espalier::turtle

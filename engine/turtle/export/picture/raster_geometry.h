@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "engine/files/view_settings.h"
 #include "engine/turtle/export/exporters.h"
 #include "engine/turtle/export/line_look.h"
+#include "engine/turtle/export/mesh/cylinder_mesh.h"
 #include "engine/turtle/export/mesh/mesh.h"
 #include "engine/turtle/export/mesh/tubes.h"
 #include "engine/turtle/export/palette.h"
@@ -38,6 +40,16 @@ class RasterGeometry {
   /// Appends the triangles of a part; `organ` numbers it among the parts of all copies.
   void append(std::size_t part, const ScenePlacement& placement, const RasterCamera& camera,
               const RasterShading& shading, std::uint32_t organ, std::vector<RasterTriangle>& triangles) const;
+
+  /// A part that is drawn in pieces, the runs of a long generalized cylinder, which is sampled once for all of them;
+  /// null: it is drawn as a whole. O(points).
+  [[nodiscard]] std::shared_ptr<const SweptCylinder> longCylinder(std::size_t part) const;
+  /// The same as append() for one run of a long cylinder that is visible.
+  void appendRun(std::size_t part, const SweptCylinder& cylinder, const CylinderRun& run,
+                 const ScenePlacement& placement, const RasterCamera& camera, const RasterShading& shading,
+                 std::uint32_t organ, std::vector<RasterTriangle>& triangles) const;
+  /// About how many triangles append() makes of a part.
+  [[nodiscard]] std::size_t triangleCountOf(std::size_t part) const;
 
  private:
   /// A part's place in its vector of the scene.

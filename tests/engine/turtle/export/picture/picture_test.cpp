@@ -96,6 +96,14 @@ TEST(Picture, WhatIsNearerHidesWhatIsBehind) {
   EXPECT_NE(pixelAt(image, 100, 10)[0], front.red);
 }
 
+std::string longCylinder(int points) {
+  std::string text = "@Gs";
+  for (int i = 0; i < points; ++i) {
+    text += "F(0.3)+(7)&(3)@Gc(2)";
+  }
+  return text + "@Ge";
+}
+
 TEST(Picture, TheSamePictureForAnyNumberOfThreadsAndStrips) {
   files::ViewSettings view = viewOf(files::LineStyle::Cylinder, 0.3);
   view.viewpoint = {1, 1, 2};
@@ -103,6 +111,8 @@ TEST(Picture, TheSamePictureForAnyNumberOfThreadsAndStrips) {
   for (int i = 0; i < 300; ++i) {
     text += "F(1)+(37)/(71)[&(40)F(2)@O(0.7)][^(20)F(1){.+(30)f.+(60)f.}@c(0.5)]";
   }
+  // a cylinder that is drawn in pieces
+  text += longCylinder(700);
   const Scene scene = sceneOf(text, view);
   PictureOptions options{.widthPixels = 301, .heightPixels = 207};
   const PictureImage image = renderPicture(scene, view, options);
@@ -111,6 +121,50 @@ TEST(Picture, TheSamePictureForAnyNumberOfThreadsAndStrips) {
   // strips of 13 rows
   options.sampleBytes = 128 * 301 * 13;
   EXPECT_EQ(renderPicture(scene, view, options), image);
+}
+
+TEST(Picture, ARoundIsBoundedByItsTriangles) {
+  const files::ViewSettings view = viewOf(files::LineStyle::Cylinder, 0.3);
+  const auto roundsOf = [&](const std::string& text) {
+    const Scene scene = sceneOf(text, view);
+    const ExportInput input{.scene = scene, .view = view};
+    const ScenePlacement here;
+    std::vector<std::size_t> reports;
+    static_cast<void>(renderPlaced({{&input, 1}, {&here, 1}}, kTransparent, [&](std::size_t done, std::size_t all) {
+      EXPECT_LE(done, all);
+      reports.push_back(done);
+    }));
+    EXPECT_TRUE(std::ranges::is_sorted(reports));
+    return reports;
+  };
+  // 2 strips of 8 sides for each of 20,000 points: 640,000 triangles, 65,536 a round
+  const std::vector<std::size_t> one = roundsOf(longCylinder(20'000));
+  EXPECT_EQ(one.size(), 10U);
+  EXPECT_EQ(one.front(), 0U) << "the cylinder is not done";
+  EXPECT_EQ(one.back(), 1U);
+  // 3,200 triangles each, two in one of the 16 tasks of a round
+  std::string many;
+  for (int i = 0; i < 200; ++i) {
+    many += longCylinder(100);
+  }
+  EXPECT_EQ(roundsOf(many).size(), 7U);
+  EXPECT_EQ(roundsOf(longCylinder(100)).size(), 1U);
+}
+
+TEST(Picture, ThePiecesOfALongCylinderAreOneOrgan) {
+  // the coils lie over one another: a translucent organ covers the same samples in all of them
+  const files::ViewSettings view = viewOf(files::LineStyle::Cylinder);
+  files::Palette palette;
+  palette.usesMaterials = true;
+  palette.materials[1].fill({.opacity = 0.5});
+  PictureOptions options = kTransparent;
+  options.palette = &palette;
+  const PictureImage image = renderPicture(sceneOf(longCylinder(1000), view), view, options);
+  int most = 0;
+  for (std::size_t at = 3; at < image.pixels.size(); at += 4) {
+    most = std::max<int>(most, image.pixels[at]);
+  }
+  EXPECT_EQ(most, 127);
 }
 
 TEST(Picture, PerspectiveShowsTheNearerLarger) {
