@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import json
 import os
+import resource
 import shutil
 import signal
 import socket
@@ -264,6 +265,39 @@ class Places(unittest.TestCase):
         admission.enter(near[7], "")
         self.assertTrue(admission.evict_one())
         self.assertEqual(closed(), [0, 1, 2, 3, 7])
+
+    def test_one_that_gives_way_is_waited_for(self) -> None:
+        admission = listening.Admission()
+        connection = mock.Mock()
+        admission.enter(connection, "")
+        # its thread closes it when it has seen the end
+        left = threading.Event()
+
+        def leave() -> None:
+            left.set()
+            admission.leave(connection)
+
+        connection.shutdown.side_effect = lambda how: threading.Timer(0.2, leave).start()
+        self.assertTrue(admission.evict_one(60))
+        self.assertTrue(left.is_set())
+
+    def test_connections_are_closed_for_others_only(self) -> None:
+        admission = mock.Mock()
+        with socket.create_server(("127.0.0.1", 0)) as listener, socket.socket() as peer:
+            limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+            accepting = threading.Thread(target=listening.accepted, args=(listener, admission), daemon=True)
+            # no descriptor is left, and nobody comes
+            resource.setrlimit(resource.RLIMIT_NOFILE, (1, limits[1]))
+            try:
+                accepting.start()
+                accepting.join(0.3)
+                self.assertTrue(accepting.is_alive())
+            finally:
+                resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+            admission.evict_one.assert_not_called()
+            peer.connect(listener.getsockname())
+            accepting.join(10)
+            self.assertFalse(accepting.is_alive())
 
 
 class Options(unittest.TestCase):

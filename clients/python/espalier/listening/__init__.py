@@ -12,6 +12,8 @@ from typing import Any, Dict, Optional, Tuple
 WAITING = 128  # connections whose peers are not known yet
 TRUSTED = 32
 PER_ADDRESS = 16  # waiting connections of one address of another machine
+LOOK_SECONDS = 60.0
+LEAVE_SECONDS = 1.0  # for the thread of a connection to close it
 
 
 class Admission:
@@ -22,11 +24,12 @@ class Admission:
 
     def __init__(self, waiting: int = WAITING, trusted: int = TRUSTED, per_address: int = PER_ADDRESS) -> None:
         self._bounds = waiting, trusted, per_address
-        self._lock = threading.Lock()
+        self._lock = threading.Condition()
         # by age: the oldest first
         self._waiting: "OrderedDict[Any, str]" = OrderedDict()  # connection: address; empty: this machine
         self._idle: "OrderedDict[Any, None]" = OrderedDict()
         self._busy: Dict[Any, None] = {}
+        self._evicted: Dict[Any, None] = {}  # until they leave
 
     def enter(self, connection: Any, address: str) -> None:
         """A connection was accepted. `address`: of the peer; empty: this machine."""
@@ -68,21 +71,26 @@ class Admission:
                 self._idle[connection] = None
 
     def leave(self, connection: Any) -> None:
+        """The connection ends: it is closed now, but its descriptor is not another's yet."""
         with self._lock:
-            self._waiting.pop(connection, None)
-            self._idle.pop(connection, None)
-            self._busy.pop(connection, None)
+            for places in (self._waiting, self._idle, self._busy, self._evicted):
+                places.pop(connection, None)
+            self._lock.notify_all()
 
-    def evict_one(self) -> bool:
-        """Closes the connection that has waited longest. False: none waits."""
+    def evict_one(self, seconds: float = 0.0) -> bool:
+        """Closes the connection that has waited longest, and waits until it has left, so many seconds at most. False: none waits."""
         with self._lock:
-            return self._evict(next(iter(self._waiting), None))
+            connection = next(iter(self._waiting), None)
+            is_evicted = self._evict(connection)
+            self._lock.wait_for(lambda: connection not in self._evicted, seconds)
+            return is_evicted
 
     def _evict(self, connection: Optional[Any]) -> bool:
         if connection is None:
             return False
         self._waiting.pop(connection, None)
         self._idle.pop(connection, None)
+        self._evicted[connection] = None
         try:
             # its thread reads the end and closes it
             connection.shutdown(socket.SHUT_RDWR)
@@ -93,13 +101,19 @@ class Admission:
 
 def accepted(listener: socket.socket, admission: Admission) -> Tuple[socket.socket, Any]:
     """The next connection and the address of its peer. Raises OSError when there is none."""
-    try:
-        return listener.accept()
-    except OSError as error:
-        # a connection that waits gives back its descriptor
-        if error.errno in (errno.EMFILE, errno.ENFILE) and not admission.evict_one():
-            time.sleep(0.1)
-        raise
+    # with a time limit, Python waits for a connection before it takes a descriptor for it. Without, accept() fails while there are no
+    # descriptors, and connections would be closed for nobody
+    listener.settimeout(LOOK_SECONDS)
+    while True:
+        try:
+            return listener.accept()
+        except socket.timeout:
+            continue
+        except OSError as error:
+            # a connection that waits gives back its descriptor
+            if error.errno in (errno.EMFILE, errno.ENFILE) and not admission.evict_one(LEAVE_SECONDS):
+                time.sleep(0.1)
+            raise
 
 
 def is_loopback(address: str) -> bool:
