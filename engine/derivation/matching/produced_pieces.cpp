@@ -2,11 +2,14 @@
 
 #include <utility>
 
+#include "engine/core/check.h"
+
 namespace espalier::derivation {
 
 void ProducedPieces::clear() {
   modules_.clear();
   pieces_.clear();
+  pieceNumber_ = 0;
   ends_.clear();
   branchBehind_.clear();
   for (auto& shortcuts : shortcuts_) {
@@ -15,7 +18,7 @@ void ProducedPieces::clear() {
 }
 
 void ProducedPieces::begin() {
-  Piece next{modules_.size(), modules_.parameterCount(), 0, 0};
+  Piece next{modules_.size(), modules_.parameterCount(), 0, 0, ++pieceNumber_, 1};
   if (!pieces_.empty()) {
     const Piece& last = pieces_.back();
     next.behind = last.firstModule < modules_.size() ? pieces_.size() : last.behind;
@@ -48,14 +51,22 @@ std::size_t ProducedPieces::linkLast() {
 }
 
 void ProducedPieces::dropBefore(std::uint64_t count) {
-  // keep them as empty pieces, so that every old module has a piece
-  const std::size_t firstDropped = pieces_.size() - 1 - count;
-  const Piece first = pieces_[firstDropped];
-  for (std::size_t i = firstDropped; i < pieces_.size(); ++i) {
-    pieces_[i] = first;
+  pieces_.pop_back();
+  Piece dropped{modules_.size(), modules_.parameterCount(), 0, 0, 0, 0};
+  while (dropped.oldModules < count) {
+    const std::uint64_t before = dropped.oldModules;
+    dropped = pieces_.back();
+    dropped.oldModules += before;
+    pieces_.pop_back();
   }
-  modules_.typeBuffer().resize(first.firstModule);
-  modules_.parameterBuffer().resize(first.firstParameter);
+  ESPALIER_CHECK(dropped.oldModules == count);
+  modules_.typeBuffer().resize(dropped.firstModule);
+  modules_.parameterBuffer().resize(dropped.firstParameter);
+  if (count > 0) {
+    dropped.number = ++pieceNumber_;
+    pieces_.push_back(dropped);
+  }
+  begin();
 }
 
 std::uint64_t ProducedPieces::endModule(std::size_t piece) const {

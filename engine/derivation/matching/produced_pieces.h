@@ -26,10 +26,13 @@ class ProducedPieces {
   void begin();
   [[nodiscard]] ModuleString& modules() { return modules_; }
 
-  /// Empties the `count` pieces before the last piece, because a cut removes them. The last piece must be empty.
+  /// Empties the pieces of the `count` old modules before the last one, because a cut removes them. The last piece must
+  /// be empty, and the pieces of an earlier cut are emptied together or not at all. O(1) on average.
   void dropBefore(std::uint64_t count);
 
-  /// The modules of a piece, which are counted from the right.
+  /// The pieces, counted from the right, and what each has become of how many old modules.
+  [[nodiscard]] std::size_t count() const { return pieces_.size(); }
+  [[nodiscard]] std::uint64_t oldModulesOf(std::size_t piece) const { return pieces_[piece].oldModules; }
   [[nodiscard]] std::uint64_t sizeOf(std::size_t piece) const { return endModule(piece) - pieces_[piece].firstModule; }
 
   /// Appends the whole new string to `string`, left to right. O(modules).
@@ -52,6 +55,8 @@ class ProducedPieces {
     std::uint64_t firstParameter = 0;
     std::size_t behind = 0;         // index + 1 of the nearest piece to the right that has modules; 0: none
     std::size_t enclosingEnds = 0;  // index + 1 of the innermost of ends_ around the piece's right end; 0: none
+    std::uint64_t number = 0;       // that no other piece of the step has, dropped ones included
+    std::uint64_t oldModules = 1;   // more: they were dropped together
   };
   /// The end of a branch whose `[` is not known yet.
   struct BranchEnd {
@@ -77,12 +82,13 @@ class ProducedPieces {
   }
   /// A number that no other module of the step has, however many are dropped.
   [[nodiscard]] std::uint64_t keyOf(const Cursor& cursor) const {
-    return (static_cast<std::uint64_t>(cursor.piece) << 32U) + placeIn(cursor);
+    return (pieces_[cursor.piece - 1].number << 32U) + placeIn(cursor);
   }
 
   const language::Program* program_;
   ModuleString modules_;
-  std::vector<Piece> pieces_;                               // by old module, from the right (rewritten module count)
+  std::uint64_t pieceNumber_ = 0;                           // of the last piece
+  std::vector<Piece> pieces_;                               // from the right
   std::vector<BranchEnd> ends_;                             // in the order of production
   std::unordered_map<std::uint64_t, Cursor> branchBehind_;  // by module, a `[`: the place behind its branch
   std::array<std::unordered_map<std::uint64_t, Cursor>, kSearchKinds> shortcuts_;  // by keyOf(): ends of searches

@@ -15,6 +15,16 @@ void CutParts::add(const ModuleString& old, const StringPart& part, std::uint64_
   }
 }
 
+void CutParts::dropInside(const StringPart& part) {
+  while (!kept_.empty() && kept_.back().part.firstModule <= part.endModule) {
+    kept_.pop_back();
+  }
+}
+
+void CutParts::reverse() {
+  std::reverse(kept_.begin(), kept_.end());
+}
+
 void CutParts::appendTo(ModuleString& string, const ModuleString& old, const Evaluator& evaluator) const {
   if (kept_.empty()) {
     return;

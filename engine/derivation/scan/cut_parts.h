@@ -23,6 +23,11 @@ class CutParts {
 
   /// Keeps the part if its symbol is `%(p)`.
   void add(const ModuleString& old, const StringPart& part, std::uint64_t offset);
+  /// Drops the kept parts inside `part`, which a cut before them removes with their symbols. Those parts were added
+  /// from right to left.
+  void dropInside(const StringPart& part);
+  /// Turns the order of the kept parts round.
+  void reverse();
   /// Keeps the parts that another scan of the same string has kept.
   void addAll(const CutParts& other) { kept_.insert(kept_.end(), other.kept_.begin(), other.kept_.end()); }
 

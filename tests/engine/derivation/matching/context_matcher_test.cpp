@@ -97,6 +97,11 @@ TEST(ContextMatcher, NewRightContextSeesTheStringBeingProducedFromTheRight) {
   EXPECT_EQ(once("ignore: +\n", "J+K[X]L", "J >> [Y=]L --> j\nX --> YZ\nK --> *\n"), "j+[YZ]L");
   EXPECT_EQ(once("", "A[JB%CD[E]]J", "J >> B --> b\nC --> CC\n"), "A[bB]J");
   EXPECT_EQ(once("", "[JB%C%DD]J", "J >> B --> b\nC --> CC\n"), "[bB]J");
+  // a part that is cut away takes its own cuts with it; kept parts stand in the order of the string
+  for (const char* context : {"J >> B --> b\n", "J > B --> b\n"}) {
+    EXPECT_EQ(once("", "[JB%(1)C[%(2)D]%(3)E]F[G%(4)H%I%(5)]K[L%M%(6)N]%(7)O", std::string(context) + "A --> %(9,9)\n"),
+              "[bB]F[G]K[L]%(1,0)C[%(2)D]%(3)E%(4,1)H%I%(5)%(7,2)O");
+  }
 }
 
 }  // namespace

@@ -229,6 +229,7 @@ TEST(SearchShortcuts, SearchesInAStringThatIsProducedFindWhatSearchesModuleByMod
       const std::vector<Module> modules = longRows(program, 1500, branches, random);
       derivation::ProducedPieces pieces(program);
       std::vector<std::vector<Module>> made;  // from the right
+      std::vector<std::uint64_t> oldModules;  // of each; more than one: dropped together
       std::vector<double> frame(program.maximumSlots + std::size_t{1});
       for (std::size_t end = modules.size(); end > 0;) {
         // pieces without modules, and cuts, which empty earlier ones
@@ -248,14 +249,21 @@ TEST(SearchShortcuts, SearchesInAStringThatIsProducedFindWhatSearchesModuleByMod
           ASSERT_EQ(found, plain.right(production.newRightContext, 0)) << items << branches << " before " << end;
           matches += found ? 1 : 0;
         }
-        made.emplace_back();
         if (size == 0 && random() % 8 == 0) {
-          const std::size_t count = random() % std::min<std::size_t>(made.size(), 12);
-          pieces.dropBefore(count);
-          for (std::size_t i = 0; i < count; ++i) {
-            made[made.size() - 2 - i].clear();
+          std::uint64_t dropped = 0;
+          for (std::size_t k = random() % std::min<std::size_t>(made.size() + 1, 12); k > 0; --k) {
+            dropped += oldModules.back();
+            made.pop_back();
+            oldModules.pop_back();
+          }
+          pieces.dropBefore(dropped);
+          if (dropped > 0) {
+            made.emplace_back();
+            oldModules.push_back(dropped);
           }
         }
+        made.emplace_back();
+        oldModules.push_back(1);
         made.back().assign(piece.begin(), piece.end());
         pieces.modules().appendAll(stringOf(program, piece).types(), stringOf(program, piece).parameters());
         end -= size;
@@ -267,6 +275,11 @@ TEST(SearchShortcuts, SearchesInAStringThatIsProducedFindWhatSearchesModuleByMod
         count += piece.size();
       }
       EXPECT_EQ(whole.size(), count);
+      ASSERT_EQ(pieces.count(), made.size());
+      for (std::size_t i = 0; i < made.size(); ++i) {
+        EXPECT_EQ(pieces.sizeOf(i), made[i].size());
+        EXPECT_EQ(pieces.oldModulesOf(i), oldModules[i]);
+      }
     }
   }
   EXPECT_GT(matches, 2000U);
