@@ -12,16 +12,6 @@ namespace espalier::turtle {
 
 namespace {
 
-// `name`, or with a number behind it when another item has it
-template <typename Items>
-std::string uniqueName(const Items& items, const std::string& name) {
-  std::string unique = name;
-  for (int number = 2; std::ranges::any_of(items, [&](const auto& item) { return item.name == unique; }); ++number) {
-    unique = name + "_" + std::to_string(number);
-  }
-  return unique;
-}
-
 bool isEqual(const Colour& a, const Colour& b) {
   return a.red == b.red && a.green == b.green && a.blue == b.blue;
 }
@@ -55,6 +45,14 @@ std::array<double, 3> MeshMaterial::diffuse() const {
   return folder ? folder->diffuse : std::array{colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0};
 }
 
+std::string MaterialTable::UniqueNames::of(const std::string& name) {
+  std::string unique = name;
+  while (!numbers_.try_emplace(unique, 1).second) {
+    unique = name + "_" + std::to_string(++numbers_[name]);
+  }
+  return unique;
+}
+
 std::uint32_t MaterialTable::addTexture(const files::Texture& texture, std::int32_t number) {
   const auto found = std::ranges::find_if(textures_, [&](const MeshTexture& other) {
     return (other.texture->bytes == texture.bytes || *other.texture->bytes == *texture.bytes) &&
@@ -62,7 +60,7 @@ std::uint32_t MaterialTable::addTexture(const files::Texture& texture, std::int3
            other.texture->minification == texture.minification;
   });
   if (found == textures_.end()) {
-    textures_.push_back({uniqueName(textures_, "texture_" + std::to_string(number)), &texture});
+    textures_.push_back({textureNames_.of("texture_" + std::to_string(number)), &texture});
     return static_cast<std::uint32_t>(textures_.size() - 1);
   }
   return static_cast<std::uint32_t>(found - textures_.begin());
@@ -78,21 +76,22 @@ std::uint32_t MaterialTable::add(const Palette& palette, MaterialUse use, std::i
   if (texture > 0) {
     material.texture = addTexture(view.textures[static_cast<std::size_t>(texture) - 1], texture);
   }
-  const auto found = std::ranges::find_if(materials_, [&](const MeshMaterial& other) {
-    return other.use == use && other.number == number && isEqual(other.colour, material.colour) &&
-           other.folder == material.folder && other.texture == material.texture;
-  });
-  if (found != materials_.end()) {
-    return static_cast<std::uint32_t>(found - materials_.begin());
+  std::vector<std::uint32_t>& places = places_[{use, number, material.texture}];
+  for (const std::uint32_t place : places) {
+    if (isEqual(materials_[place].colour, material.colour) && materials_[place].folder == material.folder) {
+      return place;
+    }
   }
   constexpr std::array<std::string_view, 3> kNames{"bark", "leaf", "fruit"};
   material.name = kNames[static_cast<std::size_t>(use)];
-  if (std::ranges::any_of(materials_, [&](const MeshMaterial& other) { return other.use == use; })) {
+  if (!uses_.insert(use).second) {
     // branches of default colours are numbered by their order
-    material.name = uniqueName(materials_, material.name + "_" + std::to_string(number % 256));
+    material.name += "_" + std::to_string(number % 256);
   }
+  material.name = materialNames_.of(material.name);
+  places.push_back(static_cast<std::uint32_t>(materials_.size()));
   materials_.push_back(std::move(material));
-  return static_cast<std::uint32_t>(materials_.size() - 1);
+  return places.back();
 }
 
 double linearComponent(double component) {

@@ -2,9 +2,13 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
+#include <tuple>
+#include <unordered_map>
 #include <vector>
 
 #include "engine/files/colour_files.h"
@@ -57,10 +61,24 @@ class MaterialTable {
   [[nodiscard]] std::span<const MeshTexture> textures() const { return textures_; }
 
  private:
+  /// Gives each name once; one that was given before gets a number behind it.
+  class UniqueNames {
+   public:
+    [[nodiscard]] std::string of(const std::string& name);
+
+   private:
+    std::unordered_map<std::string, int> numbers_;  // by given name: the last number that was tried behind it
+  };
+
   std::uint32_t addTexture(const files::Texture& texture, std::int32_t number);
 
   std::vector<MeshMaterial> materials_;
   std::vector<MeshTexture> textures_;
+  // of materials, by use, number and texture: several only where scenes have other colours
+  std::map<std::tuple<MaterialUse, std::int32_t, std::uint32_t>, std::vector<std::uint32_t>> places_;
+  std::set<MaterialUse> uses_;
+  UniqueNames materialNames_;
+  UniqueNames textureNames_;
 };
 
 /// A component of a colour as light: files of glTF and USD hold linear numbers.

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "tests/engine/turtle/textured_view.h"
 #include "tests/engine/turtle/turtle_fixture.h"
@@ -328,6 +329,31 @@ TEST(SceneMeshes, AGeneralizedCylinderOfSeveralColoursIsClosedAndItsPartsMeet) {
   }
   expectClosed(both, "two colours");
   EXPECT_EQ(run.scene.cylinders.size(), 1U);
+}
+
+TEST(SceneMeshes, EachOrderOfBranchesHasAMaterialOfItsOwnName) {
+  // names have the order's last byte, so those of order 256 and more meet names that are given already
+  std::string string = "F";
+  for (int order = 1; order <= 600; ++order) {
+    string += "[F";
+  }
+  TurtleRun run(string);
+  run.draw();
+  const ExportInput input{.scene = run.scene, .view = run.program.view};
+  MaterialTable table;
+  const SceneMeshes meshes(input, table);
+  std::set<std::string> names;
+  for (const MeshMaterial& material : table.materials()) {
+    names.insert(material.name);
+  }
+  EXPECT_EQ(table.materials().size(), 601U);
+  EXPECT_EQ(names.size(), 601U);
+  EXPECT_TRUE(names.contains("bark_0"));
+  EXPECT_TRUE(names.contains("bark_1_2"));
+  EXPECT_TRUE(names.contains("bark_1_3"));
+  // the same scene again needs no new one
+  static_cast<void>(SceneMeshes(input, table));
+  EXPECT_EQ(table.materials().size(), 601U);
 }
 
 TEST(SceneMeshes, PartsKnowTheirModules) {
