@@ -16,7 +16,7 @@ constexpr std::size_t kTaskMeshes = 8;
 constexpr std::size_t kTasksPerThread = 2;  // that may be held whatever their size
 // So much may wait while a thread writes the indices of a long piece of a file, so that the others have work. Mostly
 // few tasks wait: the memory that was touched last is used again, and stays in the cache.
-constexpr std::size_t kHeldBytes = 32 << 20;
+constexpr std::size_t kHeldBytes = 8 << 20;
 
 /// Meshes that one thread makes and spells one after the other.
 struct MeshTask {
