@@ -42,6 +42,16 @@ void* mapAligned(std::size_t size, int protection) {
   return begin + before;
 }
 
+/// The same for memory that takeMemory has counted.
+void* mapCounted(std::size_t size, int protection, std::size_t counted) {
+  try {
+    return mapAligned(size, protection);
+  } catch (const std::bad_alloc&) {
+    giveMemory(counted);
+    throw;
+  }
+}
+
 }  // namespace
 
 void* mapPages(std::size_t byteCount) {
@@ -57,7 +67,7 @@ void* mapPages(std::size_t byteCount) {
     }
     return memory;
   }
-  void* memory = mapAligned(mappedSize(byteCount), PROT_READ | PROT_WRITE);
+  void* memory = mapCounted(mappedSize(byteCount), PROT_READ | PROT_WRITE, byteCount);
   // only advice: without huge pages the first touch is slower
   static_cast<void>(madvise(memory, mappedSize(byteCount), MADV_HUGEPAGE));
   return memory;
@@ -74,10 +84,11 @@ void* growPages(void* memory, std::size_t byteCount, std::size_t usedByteCount, 
       return memory;
     }
     // the new address is the start of a huge page too, otherwise the system splits the pages
-    void* target = mapAligned(newSize, PROT_NONE);
+    void* target = mapCounted(newSize, PROT_NONE, newByteCount - byteCount);
     void* moved = mremap(memory, mappedSize(byteCount), newSize, MREMAP_MAYMOVE | MREMAP_FIXED, target);
     if (moved == MAP_FAILED) {
       static_cast<void>(munmap(target, newSize));
+      giveMemory(newByteCount - byteCount);
       throw std::bad_alloc();
     }
     return moved;

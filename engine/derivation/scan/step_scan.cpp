@@ -1,6 +1,7 @@
 #include "engine/derivation/scan/step_scan.h"
 
 #include <algorithm>
+#include <new>
 
 #include "engine/derivation/parallel/parallel_batch_scan.h"
 #include "engine/derivation/parallel/parallel_general_scan.h"
@@ -146,9 +147,13 @@ void StepScan::reserveEstimate(const ModuleString& old) {
     return std::min(wanted < 1.0e18 ? static_cast<std::uint64_t>(wanted) : bound, bound) + kReserve;
   };
   const core::Limits& limits = context_->options.limits;
-  context_->reserveOutput(
-      estimate(old.size(), moduleGrowth_, std::min(limits.maximumModules, limits.maximumStringBytes / 2)),
-      estimate(old.parameterCount(), parameterGrowth_, limits.maximumStringBytes / 8));
+  try {
+    context_->reserveOutput(
+        estimate(old.size(), moduleGrowth_, std::min(limits.maximumModules, limits.maximumStringBytes / 2)),
+        estimate(old.parameterCount(), parameterGrowth_, limits.maximumStringBytes / 8));
+  } catch (const std::bad_alloc&) {
+    // a system that bounds the address space of its programs may have room for the string, if not for the estimate
+  }
 }
 
 core::WorkerTeam& StepScan::team() {
