@@ -147,8 +147,13 @@ class AxisJoin {
     if (looks_ > kMostLooks) {
       return best;
     }
+    double least = points > 0 ? distanceTo(best) : 0.0;
     for (std::size_t point = 1; point < points; ++point) {
-      best = distanceTo(point) < distanceTo(best) ? point : best;
+      const double distance = distanceTo(point);
+      if (distance < least) {
+        least = distance;
+        best = point;
+      }
     }
     return best;
   }
