@@ -73,8 +73,10 @@ class Admission:
     def leave(self, connection: Any) -> None:
         """The connection ends: it is closed now, but its descriptor is not another's yet."""
         with self._lock:
-            for places in (self._waiting, self._idle, self._busy, self._evicted):
-                places.pop(connection, None)
+            self._waiting.pop(connection, None)
+            self._idle.pop(connection, None)
+            self._busy.pop(connection, None)
+            self._evicted.pop(connection, None)
             self._lock.notify_all()
 
     def evict_one(self, seconds: float = 0.0) -> bool:
