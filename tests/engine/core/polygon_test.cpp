@@ -183,9 +183,9 @@ std::vector<std::array<std::uint32_t, 3>> cutByGoingRound(const std::vector<Vec3
     }
     triangles.push_back(triangleAt(cut));
     // goes on behind the next corner
-    std::ranges::rotate(ring, ring.begin() + static_cast<std::ptrdiff_t>(cut));
+    std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(cut), ring.end());
     ring.erase(ring.begin());
-    std::ranges::rotate(ring, ring.begin() + 1);
+    std::rotate(ring.begin(), ring.begin() + 1, ring.end());
   }
   triangles.push_back({ring.back(), ring[0], ring[1]});
   return triangles;
