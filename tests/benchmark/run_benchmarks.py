@@ -57,8 +57,9 @@ SWEEP_MINUTES = 10.0  # of 10^5 runs by two workers
 ENVIRONMENTS_BEFORE = {"trees-by-account": 752.0, "stand-year": 5100.0, "self-organizing-tree": 1200.0, "roots-in-soil": 1700.0}
 ENVIRONMENT_TARGET = 3.0  # x before
 
-# format and derivation length of `twigs`; whole commands that write plants over 10^6 modules
-WHOLE_COMMANDS = ((".png", 17), (".glb", 17), (".obj", 17), (".png", 19), (".glb", 19))
+# model, format and derivation length; whole commands that write plants over 10^6 modules
+WHOLE_COMMANDS = (("twigs", ".png", 17), ("twigs", ".glb", 17), ("twigs", ".obj", 17), ("twigs", ".png", 19), ("twigs", ".glb", 19),
+                  ("drawn-twigs", ".glb", 17), ("drawn-twigs", ".png", 17), ("drawn-twigs", ".glb", 19))
 WHOLE_COMMAND_TARGET = 1.6  # time of one thread over that of two
 
 OTHER_COLUMNS = (
@@ -217,16 +218,16 @@ def whole_command_rows(espalier: str, models: str) -> list[list[str]]:
 
     Beside it, what the machine gives: the time of one process that only computes, twice, over that of two at the same time.
     """
-    rows = [["espalier run twigs.l -o", "modules, about", "one thread ms", "two threads ms", "gain", "target", "", "two processes that only compute"]]
+    rows = [["espalier run -o", "modules, about", "one thread ms", "two threads ms", "gain", "target", "", "two processes that only compute"]]
     compute = [sys.executable, "-c", "sum(i * i for i in range(4_000_000))"]
-    for suffix, steps in WHOLE_COMMANDS:
+    for model, suffix, steps in WHOLE_COMMANDS:
         taken: dict[int, list[float]] = {1: [], 2: []}
         machine = []
         for _ in range(7):
             for threads, times in taken.items():
                 with tempfile.TemporaryDirectory(dir=pathlib.Path(espalier).parent) as folder:
                     start = time.perf_counter()
-                    subprocess.run([espalier, "run", f"{models}/twigs.l", "--define", f"N={steps}", "-o", f"{folder}/twigs{suffix}",
+                    subprocess.run([espalier, "run", f"{models}/{model}.l", "--define", f"N={steps}", "-o", f"{folder}/twigs{suffix}",
                                     "--threads", str(threads), "--quiet"], stdout=subprocess.DEVNULL, check=True)
                     times.append((time.perf_counter() - start) * 1e3)
             start = time.perf_counter()
@@ -237,7 +238,7 @@ def whole_command_rows(espalier: str, models: str) -> list[list[str]]:
                 process.wait()
             machine.append(2 * (middle - start) / (time.perf_counter() - middle))
         gain = statistics.median(one / two for one, two in zip(*taken.values()))
-        rows.append([f"{suffix}, N={steps}", f"{10 * 2**steps:,}", *(f"{statistics.median(times):,.0f}" for times in taken.values()),
+        rows.append([f"{model}{suffix}, N={steps}", f"{10 * 2**steps:,}", *(f"{statistics.median(times):,.0f}" for times in taken.values()),
                      f"{gain:.2f}", f"{WHOLE_COMMAND_TARGET}", verdict(gain >= WHOLE_COMMAND_TARGET), f"{statistics.median(machine):.2f}"])
     return rows
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <utility>
 
 #include "engine/core/buffer.h"
@@ -20,7 +21,21 @@ using Role = InterpretationTables::Role;
 
 constexpr std::uint64_t kPollInterval = 65'536;      // modules between two looks at `cancelled`
 constexpr std::uint64_t kSmallestReserved = 10'000;  // modules; a shorter string's output grows fast enough
+constexpr std::uint64_t kFirstForecast = 16;         // part of the string after which the output is forecast
+constexpr double kForecastMargin = 1.0625;
 constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();  // no module has this index
+
+/// Makes room for `count` more, in huge pages. Grows at least by half, so that many plants do not copy one another
+/// again and again. Returns whether there was none.
+template <typename Item>
+bool reserveMore(std::vector<Item>& list, std::size_t count) {
+  if (count <= list.capacity() - list.size()) {
+    return false;
+  }
+  list.reserve(std::max(list.size() + count, list.capacity() + list.capacity() / 2));
+  core::adviseHugePages(list.data() + list.size(), (list.capacity() - list.size()) * sizeof(Item));
+  return true;
+}
 
 }  // namespace
 
@@ -72,8 +87,10 @@ Interpretation::Interpretation(const Subject& subject, const InterpretationOutpu
 
 void Interpretation::run() {
   derivation_.beginInterpretation(plantState_);
-  const std::array<std::jthread, 2> firstTouch = reserveOutput();
+  reserveOutput();
   walkAll();
+  segmentTouch_ = {};
+  recordTouch_ = {};
   derivation_.endInterpretation(plantState_);
   drawing_.finish();
 }
@@ -125,12 +142,17 @@ void Interpretation::walkAll() {
   walk(module, plantState_.string.size(), offset);
 }
 
-// returns the threads that touch the new memory
-std::array<std::jthread, 2> Interpretation::reserveOutput() {
-  // images and cuts make the output unlike the string; queries are collected into the same memory in every step
-  if (tables_.hasImages || tables_.hasCut || plantState_.string.size() < kSmallestReserved ||
-      (output_.scene == nullptr && output_.records == nullptr)) {
-    return {};
+void Interpretation::reserveOutput() {
+  // queries are collected into the same memory in every step
+  if (plantState_.string.size() < kSmallestReserved || (output_.scene == nullptr && output_.records == nullptr)) {
+    return;
+  }
+  if (tables_.hasImages || tables_.hasCut) {
+    // the string does not tell the count: the walk so far will
+    firstSegment_ = output_.scene == nullptr ? 0 : output_.scene->segments.size();
+    firstRecord_ = output_.records == nullptr ? 0 : output_.records->size();
+    nextForecast_ = plantState_.string.size() / kFirstForecast;
+    return;
   }
   std::size_t segments = 0;
   std::size_t records = 0;
@@ -139,25 +161,44 @@ std::array<std::jthread, 2> Interpretation::reserveOutput() {
     segments += adds & InterpretationTables::kSegment;
     records += (adds & InterpretationTables::kRecord) / InterpretationTables::kRecord;
   }
-  // grown at least by half, so that many plants do not copy one another again and again
-  std::array<std::jthread, 2> firstTouch;
-  const auto reserve = [&](auto& list, std::size_t count, std::jthread& touch) {
-    if (list.size() + count <= list.capacity()) {
-      return;
-    }
-    list.reserve(std::max(list.size() + count, list.capacity() + list.capacity() / 2));
-    core::adviseHugePages(list.data() + list.size(), (list.capacity() - list.size()) * sizeof(list[0]));
-    if (derivation_.options().threads > 1) {
-      touch = core::populatePagesFromEnd(list.data() + list.size(), count * sizeof(list[0]));
+  if (output_.scene != nullptr && reserveMore(output_.scene->segments, segments)) {
+    touchNext(output_.scene->segments, segments, segmentTouch_);
+  }
+  if (output_.records != nullptr && reserveMore(*output_.records, records)) {
+    touchNext(*output_.records, records, recordTouch_);
+  }
+}
+
+// makes room for as much output as the rest of the string will add, if it is like the first `i` modules
+void Interpretation::forecastOutput(std::uint64_t i) {
+  const auto forecast = [&](auto& list, std::size_t first, std::jthread& touch) {
+    const std::size_t added = list.size() - first;
+    const double rest = static_cast<double>(added) / static_cast<double>(i) *
+                        static_cast<double>(plantState_.string.size() - i) * kForecastMargin;
+    try {
+      touch = {};
+      static_cast<void>(reserveMore(list, static_cast<std::size_t>(rest)));
+      // not more at once than is there: the rest of the string may be bare
+      touchNext(list, std::min(list.capacity() - list.size(), added), touch);
+    } catch (const std::bad_alloc&) {
+      // it was a guess: the lines that come may still find room
     }
   };
   if (output_.scene != nullptr) {
-    reserve(output_.scene->segments, segments, firstTouch[0]);
+    forecast(output_.scene->segments, firstSegment_, segmentTouch_);
   }
   if (output_.records != nullptr) {
-    reserve(*output_.records, records, firstTouch[1]);
+    forecast(*output_.records, firstRecord_, recordTouch_);
   }
-  return firstTouch;
+  nextForecast_ = 2 * i;
+}
+
+// lets another thread touch the memory of the next items of a list
+template <typename Item>
+void Interpretation::touchNext(std::vector<Item>& list, std::size_t count, std::jthread& touch) {
+  if (derivation_.options().threads > 1) {
+    touch = core::populatePagesFromEnd(list.data() + list.size(), count * sizeof(Item));
+  }
 }
 
 void Interpretation::walk(std::uint64_t& module, std::uint64_t end, std::uint64_t& firstOffset) {
@@ -174,6 +215,9 @@ void Interpretation::walk(std::uint64_t& module, std::uint64_t end, std::uint64_
   while (i < end) {
     if (i >= nextPoll) {
       nextPoll = i + kPollInterval;
+      if (i >= nextForecast_ && i > 0) {
+        forecastOutput(i);
+      }
       if ((cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) || core::isWorkStopped()) {
         module_ = i;
         fail(core::SimulationErrorCode::Cancelled, "the step was cancelled");

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <set>
 #include <span>
 #include <string>
@@ -118,7 +118,10 @@ class Interpretation {
   };
 
   // the walk
-  [[nodiscard]] std::array<std::jthread, 2> reserveOutput();
+  void reserveOutput();
+  void forecastOutput(std::uint64_t i);
+  template <typename Item>
+  void touchNext(std::vector<Item>& list, std::size_t count, std::jthread& touch);
   void walk(std::uint64_t& module, std::uint64_t end, std::uint64_t& offset);
   void walkAll();
   void walkImage();
@@ -183,6 +186,13 @@ class Interpretation {
   PlantCoordinates coordinates_;
   const InterpretationOutput& output_;
   Drawing drawing_;
+
+  // memory for the output: threads that touch it, and for a forecast what was there before, and when it is made
+  std::jthread segmentTouch_;
+  std::jthread recordTouch_;
+  std::size_t firstSegment_ = 0;
+  std::size_t firstRecord_ = 0;
+  std::uint64_t nextForecast_ = std::numeric_limits<std::uint64_t>::max();
 
   std::span<const BranchPart> branches_;          // still to be skipped, in order
   BranchStart* start_ = nullptr;                  // of the first of them

@@ -80,7 +80,8 @@ void appendGeometry(Scene&& scene, const files::ViewSettings& view, const Symbol
   // without its lines the scene's meshes are its organs
   const ExportInput input{.scene = scene, .view = view};
   MaterialTable materials;
-  const SceneMeshes meshes(input, materials, true);
+  core::WorkerTeam alone(1);
+  const SceneMeshes meshes(input, materials, alone, true);
   Mesh mesh;
   for (const MeshPart& part : meshes.parts()) {
     meshes.make(part, mesh);

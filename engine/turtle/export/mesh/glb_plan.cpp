@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <span>
 #include <string_view>
-#include <tuple>
 
 #include "engine/core/elementary.h"
 #include "engine/turtle/export/mesh/mesh_work.h"
@@ -72,15 +72,35 @@ void GlbPlan::sortParts() {
       (isInstance ? organs : own).push_back({s, i});
     }
   }
-  const auto order = [this](const PartOf& p) {
-    const MeshPart& part = partOf(p);
-    return isRepeated(p.scene) ? std::tuple(p.scene, 0U, MaterialUse::Bark, part.material)
-                               : std::tuple(p.scene, part.plant, materialUseOf(part.kind), part.material);
-  };
-  // parts of one plant and material, as a bare tree, are in order already
-  if (!std::ranges::is_sorted(own, {}, order)) {
-    std::ranges::stable_sort(own, {}, order);
+  // scenes, plants and kinds are in order
+  for (std::size_t i = 0, end = 0; i < own.size(); i = end) {
+    while (end < own.size() && sharesMesh(own[i], own[end])) {
+      ++end;
+    }
+    sortByMaterial(std::span(own).subspan(i, end - i));
   }
+}
+
+// the parts of one mesh of the file; mostly there are few materials
+void GlbPlan::sortByMaterial(std::span<PartOf> parts) {
+  const auto material = [this](const PartOf& p) { return partOf(p).material; };
+  if (std::ranges::is_sorted(parts, {}, material)) {
+    return;
+  }
+  if (parts.size() < meshes.materials().size()) {
+    std::ranges::stable_sort(parts, {}, material);
+    return;
+  }
+  std::vector<std::size_t> places(meshes.materials().size() + 1, 0);
+  for (const PartOf& part : parts) {
+    ++places[material(part) + 1];
+  }
+  std::partial_sum(places.begin(), places.end(), places.begin());
+  std::vector<PartOf> sorted(parts.size());
+  for (const PartOf& part : parts) {
+    sorted[places[material(part)]++] = part;
+  }
+  std::ranges::copy(sorted, parts.begin());
 }
 
 // whether two neighbours in the order are in one mesh of the file

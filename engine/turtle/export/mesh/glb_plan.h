@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -148,6 +149,7 @@ struct GlbPlan {
 
  private:
   void sortParts();
+  void sortByMaterial(std::span<PartOf> parts);
   [[nodiscard]] std::optional<std::string> measurePieces(const std::function<void(std::size_t)>& report);
   void nameMeshes();
   void planOrgans();

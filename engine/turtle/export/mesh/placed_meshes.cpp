@@ -57,7 +57,7 @@ void place(Mesh& mesh, const ScenePlacement& placement) {
 PlacedMeshes::PlacedMeshes(const PlacedScenes& placed)
     : team_(placed.scenes.empty() ? 1 : std::max(1U, placed.scenes[0].threads)) {
   for (const ExportInput& input : placed.scenes) {
-    scenes_.emplace_back(input, table_);
+    scenes_.emplace_back(input, table_, team_);
   }
   std::uint32_t plants = 0;
   firstParts_.push_back(0);

@@ -45,13 +45,14 @@ MaterialUse materialUseOf(OrganKind kind) {
   return MaterialUse::Leaf;
 }
 
-SceneMeshes::SceneMeshes(const ExportInput& input, MaterialTable& materials, bool keepsDegenerate)
+SceneMeshes::SceneMeshes(const ExportInput& input, MaterialTable& materials, core::WorkerTeam& team,
+                         bool keepsDegenerate)
     : input_(input),
       scene_(input.scene),
       view_(input.view),
       palette_(input.scene, input.view, input.palette),
       look_(meshLineLookOf(input.scene, input.view)),
-      chains_(chainsOf(input.scene, palette_, look_)),
+      chains_(chainsOf(input.scene, palette_, look_, team)),
       detail_(input.detail),
       sides_(atDetail(std::clamp(input.view.contourSides, 3, 64), input.detail, 3)),
       circle_(tubeCircle(sides_)),
@@ -68,17 +69,16 @@ const files::Texture* SceneMeshes::textureOf(std::int32_t texture) const {
 void SceneMeshes::collectParts(MaterialTable& materials) {
   // numbers first: materials are listed by colour and texture, whatever was drawn first
   using Look = std::tuple<std::int32_t, std::int32_t, MaterialUse>;
-  std::vector<Look> looks;
   std::map<Look, std::uint32_t> indexOf;
+  auto last = indexOf.end();  // mostly the next part looks the same
   const auto add = [&](OrganKind kind, std::size_t index, std::pair<std::int32_t, std::int32_t> worn,
                        std::uint32_t plant, std::size_t run = 0) {
     const Look look{worn.first, worn.second, materialUseOf(kind)};
-    const auto known = indexOf.try_emplace(look, static_cast<std::uint32_t>(looks.size()));
-    if (known.second) {
-      looks.push_back(look);
+    if (last == indexOf.end() || last->first != look) {
+      last = indexOf.try_emplace(look, static_cast<std::uint32_t>(indexOf.size())).first;
     }
-    parts_.push_back({kind, static_cast<std::uint32_t>(index), known.first->second, plant,
-                      static_cast<std::uint32_t>(run), worn.first});
+    parts_.push_back(
+        {kind, static_cast<std::uint32_t>(index), last->second, plant, static_cast<std::uint32_t>(run), worn.first});
   };
   parts_.reserve(chains_.heads.size() + scene_.cylinders.size() + scene_.polygons.size() + scene_.surfaces.size() +
                  scene_.patches.size() + scene_.balls.size());
@@ -106,9 +106,12 @@ void SceneMeshes::collectParts(MaterialTable& materials) {
   addAll(OrganKind::Surface, scene_.surfaces);
   addAll(OrganKind::Patch, scene_.patches);
   addAll(OrganKind::Ball, scene_.balls);
-  std::ranges::stable_sort(parts_, {}, [](const MeshPart& part) { return std::pair(part.plant, part.kind); });
+  const auto order = [](const MeshPart& part) { return std::pair(part.plant, part.kind); };
+  if (!std::ranges::is_sorted(parts_, {}, order)) {  // the parts of one plant are
+    std::ranges::stable_sort(parts_, {}, order);
+  }
 
-  std::vector<std::uint32_t> inTable(looks.size());
+  std::vector<std::uint32_t> inTable(indexOf.size());
   for (const auto& [look, index] : indexOf) {
     const auto& [colour, texture, use] = look;
     inTable[index] = materials.add(palette_, use, colour, view_, texture);

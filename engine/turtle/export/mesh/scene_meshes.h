@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/core/frame.h"
+#include "engine/core/worker_team.h"
 #include "engine/turtle/export/exporters.h"
 #include "engine/turtle/export/mesh/cylinder_mesh.h"
 #include "engine/turtle/export/mesh/mesh.h"
@@ -57,8 +58,8 @@ class SceneMeshes {
   static constexpr std::uint32_t kNotShared = 0xFFFFFFFF;
 
   /// `input`, what it refers to and `materials`, to which the scene's are added, must outlive the object. Triangles
-  /// without area, as at the tip of a patch, are left out unless `keepsDegenerate`.
-  SceneMeshes(const ExportInput& input, MaterialTable& materials, bool keepsDegenerate = false);
+  /// without area, as at the tip of a patch, are left out unless `keepsDegenerate`. `team` is used here only.
+  SceneMeshes(const ExportInput& input, MaterialTable& materials, core::WorkerTeam& team, bool keepsDegenerate = false);
 
   /// All parts by plant, kind and order of drawing.
   [[nodiscard]] std::span<const MeshPart> parts() const { return parts_; }

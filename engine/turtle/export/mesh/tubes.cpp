@@ -17,6 +17,7 @@ constexpr double kSharpestMitre = 0.5;      // cosine of the bend up to which on
 constexpr double kSharpestJoint = -0.94;    // cosine of the bend from which a segment turns back and begins a new tube
 constexpr double kElbowStepRadians = 0.53;  // between the rings of an elbow, at most
 constexpr std::size_t kCommonRings = 16;    // few chains have more
+constexpr std::size_t kNumbersInTask = 256;
 
 Vec3 directionOf(const Segment& segment) {
   const Vec3 d = segment.end - segment.start;
@@ -236,106 +237,132 @@ bool looksAlike(const Palette& palette, const Segment& a, const Segment& b) {
   return palette.materialOf(a) == palette.materialOf(b) && a.texture == b.texture;
 }
 
-// of the limbs of a fork without a continuing axis the thickest, of equal ones the straightest, goes on with the tube
-void continueForks(const std::vector<Segment>& segments, double sharpestJoint, std::vector<std::uint32_t>& next) {
-  for (std::uint32_t i = 0; i < segments.size(); ++i) {
-    const Segment& limb = segments[i];
-    if (limb.parent >= i) {
-      continue;
-    }
-    const Segment& before = segments[limb.parent];
-    std::uint32_t& chosen = next[limb.parent];
-    const bool continuesAxis = chosen != kNoParent && segments[chosen].branchOrder <= before.branchOrder;
-    if (continuesAxis || before.branchOrder >= limb.branchOrder || !(before.end == limb.start) ||
-        before.plant != limb.plant) {
-      continue;
-    }
-    const double cosine = core::dot(directionOf(before), directionOf(limb));
-    if (cosine <= sharpestJoint) {
-      continue;
-    }
-    if (chosen == kNoParent) {
-      chosen = i;
-      continue;
-    }
-    const Segment& other = segments[chosen];
-    const double otherCosine = core::dot(directionOf(before), directionOf(other));
-    if (std::pair(limb.startWidth, cosine) > std::pair(other.startWidth, otherCosine)) {
-      chosen = i;
-    }
+/// How a line goes on from the one that it grows on.
+struct Joint {
+  enum class Kind : std::uint8_t { None, Axis, Fork };  // Fork: it is a side branch of the other
+  double cosine = 0.0;                                  // of the bend
+  std::uint32_t parent = kNoParent;
+  Kind kind = Kind::None;
+};
+
+Joint jointOf(const std::vector<Segment>& segments, std::uint32_t index, double sharpestJoint) {
+  const Segment& limb = segments[index];
+  if (limb.parent >= index) {
+    return {};
   }
+  const Segment& before = segments[limb.parent];
+  if (before.branchOrder > limb.branchOrder || before.plant != limb.plant || !(before.end == limb.start)) {
+    return {};
+  }
+  const double cosine = core::dot(directionOf(before), directionOf(limb));
+  if (!(cosine > sharpestJoint)) {
+    return {};
+  }
+  return {cosine, limb.parent, before.branchOrder == limb.branchOrder ? Joint::Kind::Axis : Joint::Kind::Fork};
+}
+
+// runs `task` for each number below `count`, on all threads
+void forNumbers(core::WorkerTeam& team, std::size_t count, const std::function<void(std::uint32_t)>& task) {
+  const std::size_t blocks = (count + kNumbersInTask - 1) / kNumbersInTask;
+  team.forEach(blocks, [&](std::size_t block) {
+    const std::size_t end = std::min(count, (block + 1) * kNumbersInTask);
+    for (std::size_t i = block * kNumbersInTask; i < end; ++i) {
+      task(static_cast<std::uint32_t>(i));
+    }
+  });
 }
 
 // begins the tube of a chain; whether it is open there
 bool beginChain(const Scene& scene, const SegmentChains& chains, const Limb& limb, RingBuilder& builder) {
-  const auto found = chains.continuations.find(limb.index);
-  if (found == chains.continuations.end()) {
+  const std::uint32_t place = chains.continuationOf[limb.index];
+  if (place == SegmentChains::kNoContinuation) {
     builder.begin(limb);
     return false;
   }
-  builder.beginAfter(scene.segments[limb.index].parent, limb, found->second);
-  return found->second.isOpen;
+  const SegmentChains::Continuation& continuation = chains.continuations[place];
+  builder.beginAfter(scene.segments[limb.index].parent, limb, continuation);
+  return continuation.isOpen;
 }
 
-// the frame at the end of a chain that another one continues, from its last segment and the number of those before it
-SegmentChains::Continuation carriedAlong(const Scene& scene, const SegmentChains& chains, const LineLook& look,
-                                         std::uint32_t last, std::uint32_t before) {
-  std::uint32_t head = last;
-  for (std::uint32_t i = 0; i < before; ++i) {
-    head = scene.segments[head].parent;
+// carries the frame along the tube that begins with a chain, up to the last of the chains that go on with it
+void carryAlong(const Scene& scene, SegmentChains& chains, const LineLook& look, std::uint32_t head) {
+  std::uint32_t last = kNoParent;
+  for (std::uint32_t i = chains.next[head]; i != kNoParent; i = chains.next[i]) {
+    last = chains.continuationOf[i] != SegmentChains::kNoContinuation ? i : last;
+  }
+  if (last == kNoParent) {
+    return;
   }
   RingBuilder builder(scene, look);
   Limb limb = builder.limbOf(head);
-  beginChain(scene, chains, limb, builder);
+  builder.begin(limb);
   while (limb.index != last) {
     const Limb after = builder.limbOf(chains.next[limb.index]);
+    if (const std::uint32_t place = chains.continuationOf[after.index]; place != SegmentChains::kNoContinuation) {
+      const bool isOpen = chains.continuations[place].isOpen;
+      chains.continuations[place] = builder.continuation();
+      chains.continuations[place].isOpen = isOpen;
+    }
     builder.joint(limb, after);
     builder.dropRings();
     limb = after;
   }
-  return builder.continuation();
 }
 
 }  // namespace
 
-std::vector<std::uint32_t> continuationsOf(const Scene& scene, double sharpestJoint) {
+std::vector<std::uint32_t> continuationsOf(const Scene& scene, double sharpestJoint, core::WorkerTeam& team) {
   const std::vector<Segment>& segments = scene.segments;
+  std::vector<Joint> joints(segments.size());
+  forNumbers(team, segments.size(), [&](std::uint32_t i) { joints[i] = jointOf(segments, i, sharpestJoint); });
   std::vector<std::uint32_t> next(segments.size(), kNoParent);
-  for (std::uint32_t i = 0; i < segments.size(); ++i) {
-    const Segment& segment = segments[i];
-    if (segment.parent >= i || next[segment.parent] != kNoParent) {
-      continue;
-    }
-    const Segment& before = segments[segment.parent];
-    if (before.end == segment.start && before.branchOrder == segment.branchOrder && before.plant == segment.plant &&
-        core::dot(directionOf(before), directionOf(segment)) > sharpestJoint) {
-      next[segment.parent] = i;
+  for (std::uint32_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].kind == Joint::Kind::Axis && next[joints[i].parent] == kNoParent) {
+      next[joints[i].parent] = i;
     }
   }
-  continueForks(segments, sharpestJoint, next);
+  // of the limbs of a fork without a continuing axis the thickest, of equal ones the straightest, goes on with the tube
+  for (std::uint32_t i = 0; i < joints.size(); ++i) {
+    if (joints[i].kind != Joint::Kind::Fork) {
+      continue;
+    }
+    std::uint32_t& chosen = next[joints[i].parent];
+    const bool continuesAxis = chosen != kNoParent && joints[chosen].kind == Joint::Kind::Axis;
+    if (chosen == kNoParent || (!continuesAxis && std::pair(segments[i].startWidth, joints[i].cosine) >
+                                                      std::pair(segments[chosen].startWidth, joints[chosen].cosine))) {
+      chosen = i;
+    }
+  }
   return next;
 }
 
-SegmentChains chainsOf(const Scene& scene, const Palette& palette, const LineLook& look) {
+SegmentChains chainsOf(const Scene& scene, const Palette& palette, const LineLook& look, core::WorkerTeam& team) {
   SegmentChains chains;
   const std::vector<Segment>& segments = scene.segments;
-  chains.next = continuationsOf(scene, kSharpestJoint);
+  chains.next = continuationsOf(scene, kSharpestJoint, team);
+  const auto joins = [&](std::uint32_t i) { return segments[i].parent < i && chains.next[segments[i].parent] == i; };
+  std::vector<std::uint8_t> isAlike(segments.size());  // each one and the one that it goes on from
+  forNumbers(team, segments.size(), [&](std::uint32_t i) {
+    isAlike[i] = joins(i) && looksAlike(palette, segments[segments[i].parent], segments[i]) ? 1 : 0;
+  });
   std::vector<std::uint32_t> places(segments.size(), 0);  // of each segment in its chain
+  chains.continuationOf.assign(segments.size(), SegmentChains::kNoContinuation);
   for (std::uint32_t i = 0; i < segments.size(); ++i) {
-    const std::uint32_t parent = segments[i].parent;
-    const bool joins = parent < i && chains.next[parent] == i;
-    const bool isAlike = joins && looksAlike(palette, segments[parent], segments[i]);
-    if (isAlike && places[parent] + 1 < kLongestChain) {
-      places[i] = places[parent] + 1;
+    if (isAlike[i] != 0 && places[segments[i].parent] + 1 < kLongestChain) {
+      places[i] = places[segments[i].parent] + 1;
       continue;
     }
     chains.heads.push_back(i);
-    if (joins) {
-      SegmentChains::Continuation continuation = carriedAlong(scene, chains, look, parent, places[parent]);
-      continuation.isOpen = isAlike;
-      chains.continuations.emplace(i, continuation);
+    if (joins(i)) {
+      chains.continuationOf[i] = static_cast<std::uint32_t>(chains.continuations.size());
+      chains.continuations.emplace_back().isOpen = isAlike[i] != 0;
     }
   }
+  forNumbers(team, chains.heads.size(), [&](std::uint32_t i) {
+    if (chains.continuationOf[chains.heads[i]] == SegmentChains::kNoContinuation) {
+      carryAlong(scene, chains, look, chains.heads[i]);
+    }
+  });
   return chains;
 }
 

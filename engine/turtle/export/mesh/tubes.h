@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
+#include "engine/core/worker_team.h"
 #include "engine/turtle/export/line_look.h"
 #include "engine/turtle/export/mesh/mesh.h"
 #include "engine/turtle/export/palette.h"
@@ -28,21 +28,25 @@ struct SegmentChains {
     double turns = 0.0;   // the same in circumferences
     bool isOpen = false;  // looks the same before and behind: no flat ends between them
   };
-  std::unordered_map<std::uint32_t, Continuation> continuations;  // by head
+  static constexpr std::uint32_t kNoContinuation = 0xFFFFFFFF;
+  std::vector<Continuation> continuations;
+  std::vector<std::uint32_t> continuationOf;  // of a head, in `continuations`; kNoContinuation: none (segmentCount)
 };
 
 /// The segment that goes on with the tube of each segment (segmentCount); kNoParent: none. It begins where the other
 /// ends, has the same branch order, bends by less than the angle with cosine `sharpestJoint`, and no earlier one does.
 /// Where there is none, it is the thickest of the side branches that begin there, of equal ones the one that bends
 /// least, so that a fork has no flat end. O(segments).
-[[nodiscard]] std::vector<std::uint32_t> continuationsOf(const Scene& scene, double sharpestJoint);
+[[nodiscard]] std::vector<std::uint32_t> continuationsOf(const Scene& scene, double sharpestJoint,
+                                                         core::WorkerTeam& team);
 
 /// The length over which the tube of a fork takes the width of the limb that goes on with it, in the larger of the two
 /// radii; at most half the limb.
 inline constexpr double kCollarRadii = 2.0;
 
 /// Splits the lines of a scene into chains along continuationsOf, whatever the bend but back. O(segments).
-[[nodiscard]] SegmentChains chainsOf(const Scene& scene, const Palette& palette, const LineLook& look);
+[[nodiscard]] SegmentChains chainsOf(const Scene& scene, const Palette& palette, const LineLook& look,
+                                     core::WorkerTeam& team);
 
 /// The tube of the chain that begins with segment `head`, turned with the least twist from ring to ring
 /// (along straight pieces the discrete rotation-minimising frame is parallel transport). At a bend of up to 60 degrees

@@ -32,9 +32,9 @@ constexpr std::size_t kMostStanding = 1000;   // copies whose contact with the g
 /// The parts of all copies of the scenes of a picture.
 class PlacedGeometry {
  public:
-  explicit PlacedGeometry(const PlacedScenes& placed) : placements_(placed.placements) {
+  PlacedGeometry(const PlacedScenes& placed, core::WorkerTeam& team) : placements_(placed.placements) {
     for (const ExportInput& input : placed.scenes) {
-      scenes_.emplace_back(input);
+      scenes_.emplace_back(input, team);
     }
     firstParts_.push_back(0);
     for (const ScenePlacement& placement : placements_) {
@@ -47,10 +47,10 @@ class PlacedGeometry {
 
   /// The data of one scene in a picture.
   struct SceneParts {
-    explicit SceneParts(const ExportInput& input)
+    SceneParts(const ExportInput& input, core::WorkerTeam& team)
         : palette(input.scene, input.view, input.palette),
           textures(input.view),
-          geometry(input.scene, input.view, palette) {}
+          geometry(input.scene, input.view, palette, team) {}
     Palette palette;
     RasterTextures textures;
     RasterGeometry geometry;
@@ -326,7 +326,7 @@ PictureImage renderPicture(const Scene& scene, const files::ViewSettings& view, 
 
 PictureFrame pictureFrame(const PlacedScenes& placed, const PictureOptions& options) {
   core::WorkerTeam team(std::max(1U, options.threads));
-  const PlacedGeometry geometry(placed);
+  const PlacedGeometry geometry(placed, team);
   const files::ViewSettings& view = placed.scenes[0].view;
   const Projection projection = chosenProjection(geometry, view, options, team);
   PictureBounds bounds = boundsOf(geometry, projection, team);
@@ -338,7 +338,7 @@ PictureImage renderPlaced(const PlacedScenes& placed, const PictureOptions& opti
   ESPALIER_CHECK(options.widthPixels > 0 && options.widthPixels <= kMaximumPicturePixels);
   ESPALIER_CHECK(options.heightPixels > 0 && options.heightPixels <= kMaximumPicturePixels);
   core::WorkerTeam team(std::max(1U, options.threads));
-  PlacedGeometry geometry(placed);
+  PlacedGeometry geometry(placed, team);
   const files::ViewSettings& view = placed.scenes[0].view;
   const Colour background = backgroundOf(geometry.scenes()[0].palette, options.background);
   const bool isFramed = options.frame && options.framing == PictureFraming::Fitted;

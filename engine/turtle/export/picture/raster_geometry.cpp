@@ -31,16 +31,17 @@ Vec3 directionOf(const Segment& segment) {
 
 }  // namespace
 
-RasterGeometry::RasterGeometry(const Scene& scene, const files::ViewSettings& view, const Palette& palette)
+RasterGeometry::RasterGeometry(const Scene& scene, const files::ViewSettings& view, const Palette& palette,
+                               core::WorkerTeam& team)
     : scene_(scene),
       view_(view),
       palette_(palette),
       look_(lineLookOf(scene, view)),
-      continuation_(continuationsOf(scene, kSharpestJoint)) {
+      continuation_(continuationsOf(scene, kSharpestJoint, team)) {
   hasTubes_ = look_.style == files::LineStyle::Cylinder &&
               std::ranges::any_of(scene.segments, [](const Segment& segment) { return segment.texture > 0; });
   if (hasTubes_) {
-    chains_ = chainsOf(scene, palette, look_);
+    chains_ = chainsOf(scene, palette, look_, team);
     tubeCircle_ = tubeCircle(std::clamp(view.contourSides, kLeastTubeSides, kMostTubeSides));
     std::ranges::copy_if(chains_.heads, std::back_inserter(tubes_),
                          [&](std::uint32_t head) { return scene.segments[head].texture > 0; });

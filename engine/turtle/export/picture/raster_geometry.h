@@ -28,7 +28,7 @@ namespace espalier::turtle {
 class RasterGeometry {
  public:
   /// All must outlive the object.
-  RasterGeometry(const Scene& scene, const files::ViewSettings& view, const Palette& palette);
+  RasterGeometry(const Scene& scene, const files::ViewSettings& view, const Palette& palette, core::WorkerTeam& team);
 
   [[nodiscard]] std::size_t partCount() const;
   /// Adds the extent of a part in the picture plane, for one copy of the scene. Lines of the pixel style count

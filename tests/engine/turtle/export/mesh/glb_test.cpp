@@ -138,7 +138,8 @@ struct GlbContent {
 Mesh expectedMesh(const Scene& scene, const files::ViewSettings& view) {
   const ExportInput input{.scene = scene, .view = view};
   MaterialTable materials;
-  const SceneMeshes meshes(input, materials);
+  core::WorkerTeam team(2);
+  const SceneMeshes meshes(input, materials, team);
   Mesh all;
   Mesh mesh;
   for (const MeshPart& part : meshes.parts()) {

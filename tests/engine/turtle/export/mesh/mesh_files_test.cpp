@@ -45,7 +45,8 @@ class MeshFiles : public ::testing::Test {
     run.draw({.position = {1, 2, 3}, .frame = {}});
     const ExportInput input{.scene = run.scene, .view = run.program.view};
     MaterialTable materials;
-    const SceneMeshes meshes(input, materials);
+    core::WorkerTeam team(2);
+    const SceneMeshes meshes(input, materials, team);
     Mesh mesh;
     for (const MeshPart& part : meshes.parts()) {
       meshes.make(part, mesh);

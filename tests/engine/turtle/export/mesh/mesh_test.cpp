@@ -13,7 +13,8 @@ namespace {
 TEST(Tubes, ChainsFollowTheAxisAndBranchesBeginTheirOwn) {
   TurtleRun run("F[+F F]F F|F");
   run.draw();
-  const SegmentChains chains = chainsOf(run.scene, Palette(run.scene, {}), {});
+  core::WorkerTeam team(2);
+  const SegmentChains chains = chainsOf(run.scene, Palette(run.scene, {}), {}, team);
   // the last one has turned back on itself
   EXPECT_EQ(chains.heads, (std::vector<std::uint32_t>{0, 1, 5}));
   EXPECT_EQ(chains.next, (std::vector<std::uint32_t>{3, 2, kNoParent, 4, kNoParent, kNoParent}));
@@ -23,7 +24,8 @@ TEST(Tubes, RingsAtJointsHalveTheAngleAndDoNotTwist) {
   TurtleRun run("F+(60)F/(90)F");
   run.draw();
   const Palette palette(run.scene, {});
-  const std::vector<TubeRing> rings = tubeOf(run.scene, palette, chainsOf(run.scene, palette, {}), 0, {}).rings;
+  core::WorkerTeam team(2);
+  const std::vector<TubeRing> rings = tubeOf(run.scene, palette, chainsOf(run.scene, palette, {}, team), 0, {}).rings;
   ASSERT_EQ(rings.size(), 4U);
   const core::Vec3 axis = core::cross(rings[1].normalUp, rings[1].normalSide);
   expectVector(axis, -std::sin(3.14159265358979 / 6.0), std::cos(3.14159265358979 / 6.0), 0, 1e-9);

@@ -29,7 +29,8 @@ std::vector<Mesh> meshesOf(const std::string& string, const files::ViewSettings&
   run.draw();
   const ExportInput input{.scene = run.scene, .view = view, .detail = detail};
   MaterialTable materials;
-  const SceneMeshes meshes(input, materials);
+  core::WorkerTeam team(2);
+  const SceneMeshes meshes(input, materials, team);
   std::vector<Mesh> made;
   for (const MeshPart& part : meshes.parts()) {
     meshes.make(part, made.emplace_back());
@@ -208,7 +209,8 @@ TEST(SceneMeshes, ALongCylinderIsMadeInRunsThatMeet) {
     // parts in any order have the same meshes as all runs one after the other
     const ExportInput input{.scene = run.scene, .view = run.program.view};
     MaterialTable materials;
-    const SceneMeshes meshes(input, materials, true);
+    core::WorkerTeam team(2);
+    const SceneMeshes meshes(input, materials, team, true);
     ASSERT_EQ(meshes.parts().size(), swept.runs().size());
     for (std::size_t i = meshes.parts().size(); i-- > 0;) {
       Mesh made;
@@ -225,7 +227,8 @@ TEST(SceneMeshes, APieceOfALongLineKnowsTheModulesOfItsFaces) {
   run.draw();
   const ExportInput input{.scene = run.scene, .view = run.program.view};
   MaterialTable materials;
-  const SceneMeshes meshes(input, materials);
+  core::WorkerTeam team(2);
+  const SceneMeshes meshes(input, materials, team);
   ASSERT_EQ(meshes.parts().size(), 2U);
   Mesh mesh;
   for (std::uint64_t part = 0; part < 2; ++part) {
@@ -284,7 +287,8 @@ TEST(SceneMeshes, TheThickestLimbOfAForkGoesOnAndOfEqualOnesTheStraightest) {
   const auto headsOf = [](const std::string& string) {
     TurtleRun run(string, cylinderView(8));
     run.draw();
-    return chainsOf(run.scene, Palette(run.scene, {}), {}).heads;
+    core::WorkerTeam team(2);
+    return chainsOf(run.scene, Palette(run.scene, {}), {}, team).heads;
   };
   // segments: trunk 0, first limb 1, second limb 2
   EXPECT_EQ(headsOf(";(3)!(0.4)F[+(50)!(0.1)F][-(50)!(0.2)F]"), (std::vector<std::uint32_t>{0, 1}));
@@ -317,7 +321,8 @@ TEST(SceneMeshes, AGeneralizedCylinderOfSeveralColoursIsClosedAndItsPartsMeet) {
   run.draw();
   const ExportInput input{.scene = run.scene, .view = run.program.view};
   MaterialTable table;
-  const SceneMeshes meshes(input, table);
+  core::WorkerTeam team(2);
+  const SceneMeshes meshes(input, table, team);
   ASSERT_EQ(meshes.parts().size(), 2U);
   EXPECT_EQ(table.materials()[meshes.parts()[0].material].name, "bark");
   EXPECT_EQ(table.materials()[meshes.parts()[1].material].name, "bark_7");
@@ -341,7 +346,8 @@ TEST(SceneMeshes, EachOrderOfBranchesHasAMaterialOfItsOwnName) {
   run.draw();
   const ExportInput input{.scene = run.scene, .view = run.program.view};
   MaterialTable table;
-  const SceneMeshes meshes(input, table);
+  core::WorkerTeam team(2);
+  const SceneMeshes meshes(input, table, team);
   std::set<std::string> names;
   for (const MeshMaterial& material : table.materials()) {
     names.insert(material.name);
@@ -352,7 +358,7 @@ TEST(SceneMeshes, EachOrderOfBranchesHasAMaterialOfItsOwnName) {
   EXPECT_TRUE(names.contains("bark_1_2"));
   EXPECT_TRUE(names.contains("bark_1_3"));
   // the same scene again needs no new one
-  static_cast<void>(SceneMeshes(input, table));
+  static_cast<void>(SceneMeshes(input, table, team));
   EXPECT_EQ(table.materials().size(), 601U);
 }
 
@@ -361,7 +367,8 @@ TEST(SceneMeshes, PartsKnowTheirModules) {
   run.draw();
   const ExportInput input{.scene = run.scene, .view = run.program.view};
   MaterialTable materials;
-  const SceneMeshes meshes(input, materials);
+  core::WorkerTeam team(2);
+  const SceneMeshes meshes(input, materials, team);
   std::vector<std::pair<OrganKind, std::uint64_t>> seen;
   for (const MeshPart& part : meshes.parts()) {
     seen.emplace_back(part.kind, meshes.provenanceOf(part).module);

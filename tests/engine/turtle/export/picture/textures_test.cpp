@@ -25,7 +25,8 @@ std::vector<std::string> wornBy(const std::string& string, const files::ViewSett
   run.draw();
   const ExportInput input{.scene = run.scene, .view = run.program.view};
   MaterialTable table;
-  const SceneMeshes meshes(input, table);
+  core::WorkerTeam team(2);
+  const SceneMeshes meshes(input, table, team);
   std::vector<std::string> names;
   for (const MeshPart& part : meshes.parts()) {
     names.push_back(table.materials()[part.material].name);
@@ -73,7 +74,8 @@ TEST(Textures, OnATubeOnePictureIsAsHighAsTheCircumferenceTimesItsRatio) {
   run.draw();
   const ExportInput input{.scene = run.scene, .view = run.program.view};
   MaterialTable table;
-  const SceneMeshes meshes(input, table);
+  core::WorkerTeam team(2);
+  const SceneMeshes meshes(input, table, team);
   ASSERT_EQ(meshes.parts().size(), 1U);
   Mesh mesh;
   meshes.make(meshes.parts()[0], mesh);
@@ -97,7 +99,8 @@ TEST(Textures, PerSurfaceTheyGoOnceOverAllPatches) {
     run.draw();
     const ExportInput input{.scene = run.scene, .view = run.program.view};
     MaterialTable table;
-    const SceneMeshes meshes(input, table);
+    core::WorkerTeam team(2);
+    const SceneMeshes meshes(input, table, team);
     Mesh mesh = meshes.sharedMeshes()[meshes.sharedMeshOf(meshes.parts()[0])];
     double u = 0.0;
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
