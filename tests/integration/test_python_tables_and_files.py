@@ -1,6 +1,7 @@
 """The Python package as scientists use it: models from files, environments by any name, tables, threads, and an end."""
 
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -156,6 +157,18 @@ class Scientist(unittest.TestCase):
                 if probe.connect_ex(address) != 0:
                     break
             time.sleep(0.01)
+        shutil.rmtree(Path(address).parent)
+
+    def test_a_program_that_closes_nothing_leaves_no_folder(self) -> None:
+        script = """
+import espalier
+client = espalier.local()
+print(client.address[len("unix:"):])
+"""
+        variables = {**os.environ, "ESPALIER_PROGRAM": program(), "PYTHONPATH": str(REPOSITORY / "clients" / "python")}
+        ended = subprocess.run([sys.executable, "-c", script], capture_output=True, env=variables, text=True, check=True)
+        self.assertFalse(Path(ended.stdout.strip()).parent.exists())
+        self.assertEqual(ended.stderr, "")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import secrets
 import shutil
 import tempfile
 import threading
+import weakref
 from typing import Any, Dict, List, Optional, Sequence, Tuple, Type, Union
 
 from . import wire
@@ -34,18 +35,20 @@ class PrivateServer(Server):
 
     def __init__(self, program: str, arguments: Sequence[str]) -> None:
         """`arguments` follow `serve`; without --log-level only warnings are shown."""
-        self._folder = private_folder()
+        folder = private_folder()
+        # also of a program that ends without stop()
+        self._remove_folder = weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
         try:
             self.token = secrets.token_hex(32)
-            token_file = os.path.join(self._folder, "token")
+            token_file = os.path.join(folder, "token")
             with open(os.open(token_file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="ascii") as file:
                 file.write(self.token + "\n")
             more = ["--token-file", token_file, *arguments]
             if "--log-level" not in more:
                 more += ["--log-level", "warn"]
-            super().__init__(program, arguments=more, listen="unix:" + os.path.join(self._folder, "socket"))
+            super().__init__(program, arguments=more, listen="unix:" + os.path.join(folder, "socket"))
         except BaseException:
-            shutil.rmtree(self._folder, ignore_errors=True)
+            self._remove_folder()
             raise
 
     def __enter__(self) -> "PrivateServer":
@@ -53,7 +56,7 @@ class PrivateServer(Server):
 
     def stop(self) -> int:
         status = super().stop()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._remove_folder()
         return status
 
 
