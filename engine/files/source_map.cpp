@@ -1,15 +1,22 @@
 #include "engine/files/source_map.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace espalier::files {
+
+SourceMap::File::File(std::string fileName, std::string fileText)
+    : name(std::move(fileName)), text(std::move(fileText)), lineBegins{0} {
+  for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', end + 1)) {
+    lineBegins.push_back(static_cast<std::uint32_t>(end + 1));
+  }
+}
 
 core::SourceLocation locateInFile(const SourceMap::File& file, std::uint32_t offset, std::uint32_t length) {
   const std::string& text = file.text;
   const std::size_t position = std::min<std::size_t>(offset, text.size());
-  const auto lineCount = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n');
-  const std::size_t lastNewline = position == 0 ? std::string::npos : text.rfind('\n', position - 1);
-  const std::size_t lineBegin = lastNewline == std::string::npos ? 0 : lastNewline + 1;
+  const auto after = std::upper_bound(file.lineBegins.begin(), file.lineBegins.end(), position);
+  const std::size_t lineBegin = after == file.lineBegins.begin() ? 0 : *(after - 1);
   std::size_t lineEnd = std::min(text.find('\n', position), text.size());
   if (lineEnd > lineBegin && text[lineEnd - 1] == '\r') {
     --lineEnd;
@@ -17,7 +24,7 @@ core::SourceLocation locateInFile(const SourceMap::File& file, std::uint32_t off
   const std::size_t restOfLine = lineEnd > position ? lineEnd - position : 0;
   core::SourceLocation location;
   location.file = file.name;
-  location.line = static_cast<std::uint32_t>(lineCount) + 1;
+  location.line = static_cast<std::uint32_t>(std::max<std::ptrdiff_t>(1, after - file.lineBegins.begin()));
   location.column = static_cast<std::uint32_t>(position - lineBegin) + 1;
   location.length = static_cast<std::uint32_t>(std::max<std::size_t>(1, std::min<std::size_t>(length, restOfLine)));
   location.lineText = text.substr(lineBegin, lineEnd - lineBegin);

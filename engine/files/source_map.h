@@ -12,8 +12,12 @@ namespace espalier::files {
 class SourceMap {
  public:
   struct File {
+    File() = default;
+    File(std::string fileName, std::string fileText);
+
     std::string name;
-    std::string text;  // as read
+    std::string text;                       // as read
+    std::vector<std::uint32_t> lineBegins;  // offset of each line in it
   };
   /// A run of output bytes: a copy of consecutive bytes of one file, or the whole expansion of one macro use.
   struct Segment {
@@ -34,11 +38,13 @@ class SourceMap {
   std::vector<Segment> segments;
   std::vector<Expansion> expansions;
 
-  /// The place of a range of preprocessed text; of its first byte when it spans several segments. O(log segments).
+  /// The place of a range of preprocessed text; of its first byte when it spans several segments. O(log segments +
+  /// log lines).
   [[nodiscard]] core::SourceLocation locate(core::SourceRange range) const;
 };
 
-/// The place of `length` bytes at `offset` of a file; the end of the file when the offset is beyond it. O(offset).
+/// The place of `length` bytes at `offset` of a file; the end of the file when the offset is beyond it. O(log lines +
+/// length of the line).
 [[nodiscard]] core::SourceLocation locateInFile(const SourceMap::File& file, std::uint32_t offset,
                                                 std::uint32_t length);
 
