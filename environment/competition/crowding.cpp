@@ -17,6 +17,7 @@
 
 #include "engine/core/elementary.h"
 #include "engine/core/random.h"
+#include "engine/core/work_meter.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/competition/zone_grid.h"
@@ -170,6 +171,7 @@ class Crowding final : public turtle::EnvironmentProcess {
       if (!parameters.empty() && parameters[0] > 0.0) {
         answerPlant(queries, query, zoneGrid, replies);
       } else if (!parameters.empty()) {
+        core::pollWork();
         answerSeed(queries, query, zoneGrid, replies);
       }
     }
@@ -216,6 +218,7 @@ class Crowding final : public turtle::EnvironmentProcess {
   void collect(const turtle::QueryBatch& queries) {
     zones_.clear();
     for (std::size_t query = 0; query < queries.size(); ++query) {
+      core::pollWork();
       const auto parameters = queries.parametersOf(query);
       if (parameters.empty() || !(parameters[0] > 0.0)) {
         continue;
@@ -291,6 +294,7 @@ class Crowding final : public turtle::EnvironmentProcess {
     const double strength = parameters.size() > 2 ? std::max(parameters[2], 0.0) : radius;
     double sum = 0.0;
     for (const Place& sample : samples_) {
+      core::pollWork();  // many zones may lie over it
       strengthsAt(wrapped({middle.x + radius * sample.x, middle.z + radius * sample.z}), zoneGrid, strengths_);
       // rounding at the border of the own zone must not leave the point without a zone
       sum += strengths_.empty() ? 1.0 : shareOf(strength, strengths_);

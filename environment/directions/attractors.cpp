@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 #include "environment/base/process_entry.h"
 #include "environment/directions/direction_reply.h"
 
@@ -92,6 +93,7 @@ class Attractors final : public turtle::EnvironmentProcess {
 
  private:
   [[nodiscard]] Vec3 pullAt(const Vec3& place) const {
+    core::pollWork();
     Vec3 pull;
     for (const Attractor& attractor : attractors_) {
       const Vec3 way = attractor.place - place;
@@ -104,6 +106,7 @@ class Attractors final : public turtle::EnvironmentProcess {
   }
 
   [[nodiscard]] double distanceAt(const Vec3& place) const {
+    core::pollWork();
     double distance = std::numeric_limits<double>::infinity();
     for (const Attractor& attractor : attractors_) {
       distance = std::min(distance, core::length(attractor.place - place));

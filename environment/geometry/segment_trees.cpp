@@ -18,6 +18,16 @@ BoxTree SegmentTrees::treeOf(std::size_t begin, std::size_t end) const {
   return BoxTree(boxes);
 }
 
+std::optional<std::uint32_t> SegmentTrees::plantOf(std::size_t begin, std::size_t end) const {
+  const std::uint32_t plant = segments_[begin].plant;
+  for (std::size_t k = begin; k < end; ++k) {
+    if (segments_[k].plant != plant) {
+      return std::nullopt;
+    }
+  }
+  return plant;
+}
+
 void SegmentTrees::add(std::span<const PlantSegment> segments) {
   if (segments.empty()) {
     return;
@@ -33,7 +43,7 @@ void SegmentTrees::add(std::span<const PlantSegment> segments) {
     begin = parts_[--kept].begin;
   }
   try {
-    Part part{begin, end, treeOf(begin, end)};
+    Part part{begin, end, plantOf(begin, end), treeOf(begin, end)};
     parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(kept), parts_.end());
     parts_.push_back(std::move(part));
   } catch (...) {
@@ -47,6 +57,9 @@ bool SegmentTrees::isClear(std::uint32_t plant, const Capsule& segment) const {
   const core::Vec3 middle = (segment.a + segment.b) * 0.5;
   const double around = core::length(segment.b - segment.a) * 0.5 + segment.radius;
   for (const Part& part : parts_) {
+    if (part.plant == plant) {
+      continue;  // a dense plant would visit all of its own
+    }
     bool isClear = true;
     part.tree.visitNear(middle, around, [&](std::size_t index) {
       const auto& [owner, other] = segments_[part.begin + index];

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,9 +32,11 @@ class SegmentTrees {
   struct Part {
     std::size_t begin = 0;  // segments_[begin, end)
     std::size_t end = 0;
+    std::optional<std::uint32_t> plant;  // that all of them belong to
     BoxTree tree;
   };
   [[nodiscard]] BoxTree treeOf(std::size_t begin, std::size_t end) const;
+  [[nodiscard]] std::optional<std::uint32_t> plantOf(std::size_t begin, std::size_t end) const;
 
   std::vector<PlantSegment> segments_;
   std::vector<Part> parts_;  // each more than twice as large as the next

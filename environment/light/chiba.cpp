@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/grid_keys.h"
@@ -228,6 +229,7 @@ class Chiba final : public turtle::EnvironmentProcess {
     const SphereTree tree(distinct.spheres);
     std::vector<ChibaAnswer> answers(distinct.spheres.size());
     for (const std::uint32_t index : tree.order()) {
+      core::pollWork();
       const Sphere& own = distinct.spheres[index];
       answers[index] = answerFrom([&](const Vec3& direction) {
         double light = 1.0;

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/work_meter.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/grid_keys.h"
 #include "environment/light/published_variants.h"
@@ -180,6 +181,7 @@ class PublishedChiba final : public turtle::EnvironmentProcess {
     float light = 0.0F;
     FloatVec brightest;
     for (const FloatLight& source : lights_) {
+      core::pollWork();
       float left = 1.0F;
       voxels.visitRay(own, source.direction, [&](std::uint32_t other) {
         left *= estimatesArea_ ? passingByArea(spheres[own], spheres[other], source.direction)

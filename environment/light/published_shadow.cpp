@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/work_meter.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
 #include "environment/geometry/bricked_grid.h"
@@ -162,6 +163,7 @@ class PublishedShadow final : public turtle::EnvironmentProcess {
     const std::int64_t y = cut(point.y * voxelsPerLength_, last);
     const std::int64_t z = cut(point.z * voxelsPerLength_ + half, last);
     for (std::int64_t tier = 0; tier < depth_ && tier <= y; ++tier) {
+      core::pollWork();
       const std::int64_t width = halfWidth(tier);
       for (std::int64_t i = std::max(x - width, std::int64_t{0}); i <= std::min(x + width, last); ++i) {
         for (std::int64_t k = std::max(z - width, std::int64_t{0}); k <= std::min(z + width, last); ++k) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/work_meter.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/grid_keys.h"
 #include "environment/light/published_variants.h"
@@ -109,6 +110,7 @@ class PublishedTakenaka final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] float lightAlong(const FloatVec& direction, std::span<const FloatSphere> balls, std::size_t own,
                                  PublishedVoxels& voxels) const {
+    core::pollWork();
     float left = 1.0F;
     voxels.visitRay(own, direction,
                     [&](std::uint32_t other) { left *= isMet(balls[own], balls[other], direction) ? passing_ : 1.0F; });

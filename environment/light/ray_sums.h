@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/work_meter.h"
 #include "environment/geometry/sphere_columns.h"
 #include "environment/geometry/sphere_tree.h"
 
@@ -38,6 +39,7 @@ class RaySums {
   template <typename RayOf, typename MarginOf, typename AmountOf>
   Rays(std::size_t, std::int64_t, RayOf, MarginOf, AmountOf, bool = false) -> Rays<RayOf, MarginOf, AmountOf>;
 
+  /// Throws WorkStopped, then the kept sums are as before.
   /// Calls `visit(index, sums)` for every sphere of `now` with the sums along its rays (std::span, by ray). O(n · rays
   /// · (log n + spheres met)); when c spheres came or went since the last update, O(n log n + n · rays · (log c +
   /// changed spheres met) + c · rays · (log n + spheres met)).
@@ -102,6 +104,7 @@ std::vector<bool> RaySums::sumByColumns(const DistinctSpheres& now, const AnyRay
     const SphereColumns columns(now.spheres, rays.rayOf(now.spheres.front(), k).direction, margin);
     areSummed[k] = columns.isMade();
     for (std::uint32_t index = 0; columns.isMade() && index < now.spheres.size(); ++index) {
+      core::pollWork();
       const Ray ray = rays.rayOf(now.spheres[index], k);
       sums[index * rays.count + k] =
           sumOver(now, rays, index, ray, [&](const auto& add) { columns.visit(ray.origin, add); });
@@ -154,6 +157,7 @@ void RaySums::update(const DistinctSpheres& now, const Rays<RayOf, MarginOf, Amo
   };
 
   const auto sumAll = [&](std::uint32_t index) {
+    core::pollWork();
     const Sphere& own = now.spheres[index];
     const double margin = rays.marginOf(own);
     const std::uint32_t before = change ? change->before[index] : kNew;

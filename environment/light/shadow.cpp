@@ -13,6 +13,7 @@
 
 #include "engine/core/elementary.h"
 #include "engine/core/random.h"
+#include "engine/core/work_meter.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/bricked_grid.h"
@@ -194,6 +195,7 @@ class Shadow final : public turtle::EnvironmentProcess {
     const std::int64_t z = nearestVoxel(voxels.z);
     const std::int64_t last = parameters_.gridSize - 1;
     for (std::int64_t tier = 0; tier < parameters_.depth; ++tier) {
+      core::pollWork();
       if (y - tier < 0 || y - tier > last) {
         continue;
       }

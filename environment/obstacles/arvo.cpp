@@ -14,6 +14,7 @@
 
 #include "engine/core/elementary.h"
 #include "engine/core/random.h"
+#include "engine/core/work_meter.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_bytes.h"
@@ -211,6 +212,7 @@ class Arvo final : public turtle::EnvironmentProcess {
     const Vec3 up = core::normalised(queries.up[query]);
     const double length = queries.parametersOf(query)[0];
     for (int attempt = 0; attempt < tries_; ++attempt) {
+      core::pollWork();
       // 0, one to the left, one to the right, two to the left, …
       const int side = attempt % 2 == 0 ? -attempt / 2 : (attempt + 1) / 2;
       const double angle = 2.0 * std::numbers::pi * side / tries_;
@@ -243,6 +245,7 @@ class Arvo final : public turtle::EnvironmentProcess {
     std::optional<SurfacePoint> best;
     const core::CounterRandom random(seed_, queries.plant[query]);
     for (int ray = 0; ray < rays_; ++ray) {
+      core::pollWork();
       const auto draw = static_cast<std::uint32_t>(2 * (attempt * rays_ + ray));
       const auto uniform = [&](std::uint32_t k) {
         return random.uniform(core::DrawDomain::Environment, static_cast<std::uint32_t>(queries.step),

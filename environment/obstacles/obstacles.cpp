@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/core/work_meter.h"
 #include "engine/turtle/scene/geometry.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
@@ -106,6 +107,7 @@ class Obstacles final : public turtle::EnvironmentProcess {
     };
     std::vector<std::size_t> free;
     for (std::size_t query = 0; query < queries.size(); ++query) {
+      core::pollWork();
       const std::size_t count = queries.parametersOf(query).size();
       if (count == 0) {
         continue;

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 #include "engine/turtle/field.h"
 #include "environment/base/replies.h"
 #include "environment/geometry/grid_keys.h"
@@ -142,6 +143,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
       field_.sumLayers();
     }
     for (std::size_t query = 0; query < queries.size(); ++query) {
+      core::pollWork();
       const std::size_t count = queries.parametersOf(query).size();
       if (count > 0 && isFluxSensor_ && !(queries.parametersOf(query)[0] > 0.0)) {
         answerFluxes(queries, query, count, replies);
@@ -192,6 +194,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
     for (std::int64_t z = 0; z < shape_.cells[2]; ++z) {
       for (std::int64_t y = 0; y < shape_.cells[1]; ++y) {
         for (std::int64_t x = 0; x < shape_.cells[0]; ++x) {
+          core::pollWork();
           const Vec3 middle{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, static_cast<double>(z) + 0.5};
           work(shape_.position + middle * shape_.voxelSize);
         }

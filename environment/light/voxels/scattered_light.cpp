@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 #include "environment/light/sky.h"
 
 namespace espalier::environment {
@@ -203,6 +204,7 @@ double ScatteredLight::takeBeams(std::span<const Beam> beams, const Vec3& up) {
     std::vector<double> weights;
     std::vector<double> light(some.size() * stride_, 0.0);
     for (std::size_t k = 0; k < some.size(); ++k) {
+      core::pollWork();
       const Beam& beam = some[k];
       Direction direction;
       direction.towards = beam.direction * -1.0;
@@ -226,6 +228,7 @@ double ScatteredLight::takeBeams(std::span<const Beam> beams, const Vec3& up) {
     const Exchange exchange = exchangeOf(towards, weights);
     std::vector<double> block(some.size() * kScatterBlock);
     for (std::size_t first = 0; first < stride_; first += kScatterBlock) {
+      core::pollWork();
       for (std::size_t k = 0; k < some.size(); ++k) {
         std::copy_n(light.data() + k * stride_ + first, kScatterBlock, block.data() + k * kScatterBlock);
       }
@@ -241,6 +244,7 @@ double ScatteredLight::sendOut() {
   std::vector<double> rays;
   std::vector<double> source(stride_);
   for (std::size_t number = 0; number < directions_.size(); ++number) {
+    core::pollWork();
     const Direction& direction = directions_[number];
     const bool isDown = number % 2 == 0;
     double* light = sources_.data() + number * stride_;
@@ -271,6 +275,7 @@ double ScatteredLight::sendOut() {
   std::vector<double> differences(pairs * kScatterBlock);
   double met = 0.0;
   for (std::size_t first = 0; first < stride_; first += kScatterBlock) {
+    core::pollWork();
     for (std::size_t pair = 0; pair < pairs; ++pair) {
       double* down = sources_.data() + 2 * pair * stride_ + first;
       double* up = down + stride_;
@@ -410,6 +415,7 @@ void ScatteredLight::fillDown() {
   std::vector<double> mean(stride_);
   std::vector<double> rays;
   for (std::size_t number = 0; number < directions_.size(); number += 2) {
+    core::pollWork();
     const Direction& direction = directions_[number];
     const double flux = direction.cosine * direction.weight;
     rays.assign(ground_.size(), 0.0);

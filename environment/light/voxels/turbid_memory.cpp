@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "engine/core/work_meter.h"
+
 namespace espalier::environment {
 
 using core::Vec3;
@@ -56,6 +58,7 @@ void TurbidMemory::begin(const VoxelField& field, const VoxelField::Shape& shape
   }
   for (const std::size_t voxel : changed) {
     for (std::size_t d = 0; d < directions.size(); ++d) {
+      core::pollWork();
       touch(voxel, d, directions[d]);
     }
   }
