@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -143,7 +144,7 @@ class Colonization final : public turtle::EnvironmentProcess {
       }
     }
     free_ = gridOf(isFree_);
-    // a step needs no memory after it has taken markers away
+    // most steps need no memory
     nearest_.resize(markers_.size());
     own_.reserve(markers_.size());
     return std::nullopt;
@@ -158,28 +159,20 @@ class Colonization final : public turtle::EnvironmentProcess {
           "the 'markerBox' to spread them in.",
           false};
     }
-    // every query occupies its space
-    bool isTaken = false;
-    for (const Vec3& place : queries.position) {
-      const double radius = occupancyRadius_;
-      visitWithin(place, boxOfCone(place, {}, radius, kEveryDirection), radius, [&](std::size_t slot, double) {
-        isFree_[free_.markers()[slot].number] = 0;
-        isTaken = true;
-      });
-    }
-    if (isTaken) {
-      free_.keep([this](const MarkerGrid::Marker& marker) { return isFree_[marker.number] != 0; });
-    }
-    // the distance of the nearest bud from each marker that is left
-    std::fill_n(nearest_.begin(), free_.markers().size(), std::numeric_limits<double>::infinity());
-    for (std::size_t query = 0; query < queries.size(); ++query) {
-      if (isBud(queries, query)) {
-        visitPerceived(queries, query,
-                       [&](std::size_t slot, double squared) { nearest_[slot] = std::min(nearest_[slot], squared); });
+    removed_.clear();
+    try {
+      if (const std::size_t count = occupy(queries.position); count > 0) {
+        removed_.reserve(count);
+        const std::uint8_t* const isFree = isFree_.data();
+        free_.keep([isFree](const MarkerGrid::Marker& marker) { return isFree[marker.number] != 0; }, removed_);
       }
-    }
-    for (std::size_t query = 0; query < queries.size(); ++query) {
-      answer(queries, query, replies);
+      answerAll(queries, replies);
+    } catch (...) {
+      free_.putBack(removed_);
+      for (const MarkerGrid::Marker& marker : free_.markers()) {
+        isFree_[marker.number] = 1;
+      }
+      throw;
     }
     countAnswers(queries, replies);
     return std::nullopt;
@@ -237,6 +230,35 @@ class Colonization final : public turtle::EnvironmentProcess {
       }
     }
     return {markers, reach()};
+  }
+
+  /// Takes away the markers around places; `free_` still has them. Returns their number.
+  [[nodiscard]] std::size_t occupy(std::span<const Vec3> places) {
+    std::size_t count = 0;
+    for (const Vec3& place : places) {
+      core::pollWork();
+      const double radius = occupancyRadius_;
+      visitWithin(place, boxOfCone(place, {}, radius, kEveryDirection), radius, [&](std::size_t slot, double) {
+        count += std::exchange(isFree_[free_.markers()[slot].number], std::uint8_t{0});
+      });
+    }
+    return count;
+  }
+
+  void answerAll(const turtle::QueryBatch& queries, turtle::ReplyBatch& replies) {
+    // the distance of the nearest bud from each marker that is left
+    std::fill_n(nearest_.begin(), free_.markers().size(), std::numeric_limits<double>::infinity());
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      if (isBud(queries, query)) {
+        core::pollWork();
+        visitPerceived(queries, query,
+                       [&](std::size_t slot, double squared) { nearest_[slot] = std::min(nearest_[slot], squared); });
+      }
+    }
+    for (std::size_t query = 0; query < queries.size(); ++query) {
+      core::pollWork();
+      answer(queries, query, replies);
+    }
   }
 
   /// Calls `visit(slot, squared distance)` for the free markers of a box that lie within a radius.
@@ -306,6 +328,7 @@ class Colonization final : public turtle::EnvironmentProcess {
   std::vector<std::uint32_t> ranks_;  // place of each marker in sums (markers)
   MarkerGrid free_;                   // the markers that are left
   // in a step
+  std::vector<MarkerGrid::Removed> removed_;
   std::vector<double> nearest_;                               // squared distance of the nearest bud, by slot of free_
   std::vector<std::pair<std::uint32_t, std::uint32_t>> own_;  // rank and slot of the markers of one bud
 };

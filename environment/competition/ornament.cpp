@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "engine/core/work_meter.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/competition/published_variants.h"
@@ -44,6 +45,7 @@ class Ornament final : public turtle::EnvironmentProcess {
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const auto parameters = queries.parametersOf(query);
       if (parameters.size() > 1 && parameters[1] > 0.0) {
+        core::pollWork();
         raster_.forEachRowOfDisc(queries.position[query], parameters[1],
                                  [this](std::size_t first, std::size_t last) { counts_.stamp(first, last); });
       }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "engine/core/work_meter.h"
 #include "environment/base/replies.h"
 #include "environment/competition/published_variants.h"
 #include "environment/competition/stamped_counts.h"
@@ -32,6 +33,7 @@ class PublishedOrnament final : public turtle::EnvironmentProcess {
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const auto parameters = queries.parametersOf(query);
       if (parameters.size() == 2) {
+        core::pollWork();
         raster_.forEachRowOfDisc(queries.position[query], toFloat(parameters[1]),
                                  [this](std::size_t first, std::size_t last) { counts_.stamp(first, last); });
       }

@@ -16,6 +16,7 @@ class PublishedRaster {
  public:
   explicit PublishedRaster(const Configuration& configuration);
 
+  [[nodiscard]] const RasterShape& shape() const { return shape_; }
   [[nodiscard]] std::size_t cellCount() const { return shape_.cellCount(); }
   [[nodiscard]] std::size_t cellsInRow() const { return shape_.cells[0]; }
   /// Does what Raster::cellOf does.

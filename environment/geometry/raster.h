@@ -23,6 +23,11 @@ struct RasterShape {
   std::array<std::size_t, 2> cells{1, 1};
 
   [[nodiscard]] std::size_t cellCount() const { return cells[0] * cells[1]; }
+  /// About how many cells a disc of an area has.
+  [[nodiscard]] double cellsOfArea(double area) const {
+    const auto all = static_cast<double>(cellCount());
+    return std::min(all, all * area / (range[0] * range[1]));
+  }
   /// The coordinates of a point across and along.
   [[nodiscard]] std::array<double, 2> flat(const core::Vec3& point) const {
     return {plane == Plane::Yz ? point.y : point.x, plane == Plane::Xy ? point.y : point.z};
@@ -52,6 +57,7 @@ class Raster {
  public:
   explicit Raster(const Configuration& configuration);
 
+  [[nodiscard]] const RasterShape& shape() const { return shape_; }
   [[nodiscard]] std::size_t cellCount() const { return shape_.cellCount(); }
   [[nodiscard]] std::size_t cellsInRow() const { return shape_.cells[0]; }
   /// The cell that a point lies over, counted from the low corner row by row; nothing outside. Low borders belong to

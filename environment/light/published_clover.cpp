@@ -41,16 +41,19 @@ class PublishedClover final : public turtle::EnvironmentProcess {
 
   [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch& queries,
                                                              turtle::ReplyBatch& replies) override {
-    if (forgets_ && queries.size() > 0) {
-      std::fill(leaves_.begin(), leaves_.end(), 0);
-    }
     // all leaves first, then all answers
+    std::vector<std::size_t> leaves;
+    double cellCount = 0.0;
     for (std::size_t query = 0; query < queries.size(); ++query) {
-      const auto parameters = queries.parametersOf(query);
-      if (parameters.size() > 1 && parameters[0] != 0.0) {
-        stamp(queries.position[query], toFloat(parameters[1]), parameters[0] == 1.0 ? 1 : -1);
+      if (queries.parametersOf(query).size() > 1 && queries.parametersOf(query)[0] != 0.0) {
+        leaves.push_back(query);
+        cellCount += raster_.shape().cellsOfArea(std::max(queries.parametersOf(query)[1], 0.0));
       }
     }
+    stampAll(leaves, cellCount, forgets_ && queries.size() > 0, leaves_, [&](std::size_t query) {
+      const auto parameters = queries.parametersOf(query);
+      stamp(queries.position[query], toFloat(parameters[1]), parameters[0] == 1.0 ? 1 : -1);
+    });
     for (std::size_t query = 0; query < queries.size(); ++query) {
       const auto parameters = queries.parametersOf(query);
       if (parameters.size() == 1 || (parameters.size() > 1 && parameters[0] == 0.0)) {

@@ -42,8 +42,8 @@ turtle::QueryBatch batchOf(const Candidate& candidate, std::uint64_t step, std::
 // gives the step up after its first look at the meter, after its second, and so on, until it is made
 TEST_P(StoppedStep, LeavesTheStateAsItWas) {
   // their steps can cost the square of what a model asks, or what a number of the configuration says
-  const std::set<std::string> stoppable{"arvo",      "attractors", "chiba",      "crowding", "light-voxels",
-                                        "obstacles", "shadow",     "soil-water", "takenaka", "xylem"};
+  const std::set<std::string> stoppable{"arvo",     "attractors", "chiba",  "colonization", "crowding", "light-voxels",
+                                        "ornament", "obstacles",  "shadow", "soil-water",   "takenaka", "xylem"};
   std::mt19937_64 random(5);
   const auto process = openProcess(GetParam().name, GetParam().configuration);
   const auto undisturbed = openProcess(GetParam().name, GetParam().configuration);

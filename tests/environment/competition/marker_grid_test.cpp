@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <set>
@@ -69,7 +70,19 @@ TEST(MarkerGrid, FindsTheMarkersOfEveryConeAlsoWhenSomeAreGone) {
       EXPECT_EQ(found(grid, apex, heading, radius, cosine), expected) << round;
       if (round % 10 == 9) {
         std::erase_if(left, [&](std::uint32_t) { return engine() % 20 == 0; });
-        grid.keep([&](const MarkerGrid::Marker& marker) { return left.contains(marker.number); });
+        const auto isLeft = [&](const MarkerGrid::Marker& marker) { return left.contains(marker.number); };
+        const std::vector<MarkerGrid::Marker> before(grid.markers().begin(), grid.markers().end());
+        const auto numberOf = [](const MarkerGrid::Marker& marker) { return marker.number; };
+        std::vector<MarkerGrid::Removed> removed;
+        grid.keep(isLeft, removed);
+        ASSERT_EQ(grid.markers().size(), left.size());
+        grid.putBack(removed);
+        ASSERT_TRUE(std::ranges::equal(grid.markers(), before, {}, numberOf, numberOf));
+        std::set<std::uint32_t> all;
+        std::ranges::transform(before, std::inserter(all, all.end()), numberOf);
+        EXPECT_EQ(found(grid, {}, {}, 1e9, -2.0), all);
+        removed.clear();
+        grid.keep(isLeft, removed);
         ASSERT_EQ(grid.markers().size(), left.size());
       }
     }
@@ -79,7 +92,9 @@ TEST(MarkerGrid, FindsTheMarkersOfEveryConeAlsoWhenSomeAreGone) {
 TEST(MarkerGrid, TakesNoMarkersAndMarkersOfAnyDistance) {
   MarkerGrid none({}, 1.0);
   none.visitBox({{-1.0, -1.0, -1.0}, {1.0, 1.0, 1.0}}, [](std::size_t) { FAIL(); });
-  none.keep([](const MarkerGrid::Marker&) { return true; });
+  std::vector<MarkerGrid::Removed> removed;
+  none.keep([](const MarkerGrid::Marker&) { return true; }, removed);
+  none.putBack(removed);
   EXPECT_TRUE(none.markers().empty());
 
   const double far = std::numeric_limits<double>::max();
