@@ -87,6 +87,17 @@ class BadInput(unittest.TestCase):
         self.assertRegex(said, r"^Traceback \(most recent call last\):\n  File \".*test_bad_input\.py\"")
         self.assertIn("return [[1 / (query.id - 1)] for query in queries]", said)
 
+    def test_a_missing_return_is_noted_once(self) -> None:
+        class Silent(espalier.Environment):
+            def answer(self, query: Query) -> None:  # type: ignore[override]
+                del query
+
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            plant = self.client.create(MODEL, environment=Silent)
+            plant.step(2)
+            self.client.create(MODEL, environment=Growing).step(2)
+        self.assertEqual(said.getvalue().count("Is a 'return' missing?"), 1, said.getvalue())
+
     def test_too_few_answers(self) -> None:
         for error in self.row_failure([[1]]):
             self.assertIn("step() gave 1 answers to 2 queries. Return one answer for every query, or None.", error)

@@ -68,6 +68,7 @@ class Host:
 
     def __init__(self, environment: Union[Type[EnvironmentProcess], EnvironmentProcess]) -> None:
         self._given = environment if isinstance(environment, EnvironmentProcess) else None
+        self._has_noted_silence = False
         self._class: Type[EnvironmentProcess] = environment if isinstance(environment, type) else type(environment)
         self._simulations: Dict[str, _Simulation] = {}
 
@@ -259,7 +260,12 @@ class Host:
                     if not math.isfinite(value):
                         raise self._not_finite(query.id, value, index, step)
                 values.append(value)
-            replies.append({"id": query.id, "parameters": values})
+            if values:
+                replies.append({"id": query.id, "parameters": values})
+        if queries and not replies and not self._has_noted_silence:
+            self._has_noted_silence = True
+            print(f"{self._class.name()}: step {step}: none of {len(queries)} queries was answered, so the modules keep their "
+                  "values. Is a 'return' missing? (This is said once.)", file=sys.stderr, flush=True)
         return replies
 
     def _mistake(self, what: str, step: int) -> wire.Refusal:

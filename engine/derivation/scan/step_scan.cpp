@@ -13,6 +13,8 @@ namespace {
 constexpr unsigned kMostThreads = 64;
 // modules or parameters that are reserved beyond the estimate
 constexpr std::uint64_t kReserve = 64;
+// Of one step; a string that unfolds at once does not go on so. One that does grows without a copy once it is large.
+constexpr double kMostGrowth = 8.0;
 
 }  // namespace
 
@@ -143,7 +145,7 @@ void StepScan::swapStrings() {
 void StepScan::reserveEstimate(const ModuleString& old) {
   // memory that is reserved and never touched costs nothing, copying a string that outgrew its buffer does
   const auto estimate = [](std::uint64_t size, double growth, std::uint64_t bound) {
-    const double wanted = static_cast<double>(size) * growth * 1.1;
+    const double wanted = static_cast<double>(size) * std::min(growth, kMostGrowth) * 1.1;
     return std::min(wanted < 1.0e18 ? static_cast<std::uint64_t>(wanted) : bound, bound) + kReserve;
   };
   const core::Limits& limits = context_->options.limits;

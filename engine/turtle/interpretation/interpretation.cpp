@@ -23,6 +23,7 @@ constexpr std::uint64_t kPollInterval = 65'536;      // modules between two look
 constexpr std::uint64_t kSmallestReserved = 10'000;  // modules; a shorter string's output grows fast enough
 constexpr std::uint64_t kFirstForecast = 16;         // part of the string after which the output is forecast
 constexpr double kForecastMargin = 1.0625;
+constexpr double kMostForecast = 4.0;                                        // times what is there
 constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();  // no module has this index
 
 /// Makes room for `count` more, in huge pages. Grows at least by half, so that many plants do not copy one another
@@ -89,8 +90,8 @@ void Interpretation::run() {
   derivation_.beginInterpretation(plantState_);
   reserveOutput();
   walkAll();
-  segmentTouch_ = {};
-  recordTouch_ = {};
+  segments_.touch = {};
+  records_.touch = {};
   derivation_.endInterpretation(plantState_);
   drawing_.finish();
 }
@@ -149,8 +150,8 @@ void Interpretation::reserveOutput() {
   }
   if (tables_.hasImages || tables_.hasCut) {
     // the string does not tell the count: the walk so far will
-    firstSegment_ = output_.scene == nullptr ? 0 : output_.scene->segments.size();
-    firstRecord_ = output_.records == nullptr ? 0 : output_.records->size();
+    segments_.first = output_.scene == nullptr ? 0 : output_.scene->segments.size();
+    records_.first = output_.records == nullptr ? 0 : output_.records->size();
     nextForecast_ = plantState_.string.size() / kFirstForecast;
     return;
   }
@@ -162,33 +163,35 @@ void Interpretation::reserveOutput() {
     records += (adds & InterpretationTables::kRecord) / InterpretationTables::kRecord;
   }
   if (output_.scene != nullptr && reserveMore(output_.scene->segments, segments)) {
-    touchNext(output_.scene->segments, segments, segmentTouch_);
+    touchNext(output_.scene->segments, segments, segments_.touch);
   }
   if (output_.records != nullptr && reserveMore(*output_.records, records)) {
-    touchNext(*output_.records, records, recordTouch_);
+    touchNext(*output_.records, records, records_.touch);
   }
 }
 
-// makes room for as much output as the rest of the string will add, if it is like the first `i` modules
+// makes room for the output that the rest of the string will add, if it is like the modules before `i`
 void Interpretation::forecastOutput(std::uint64_t i) {
-  const auto forecast = [&](auto& list, std::size_t first, std::jthread& touch) {
-    const std::size_t added = list.size() - first;
-    const double rest = static_cast<double>(added) / static_cast<double>(i) *
-                        static_cast<double>(plantState_.string.size() - i) * kForecastMargin;
+  const auto forecast = [&](auto& list, Forecast& of) {
+    // the rest may be bare, as the last modules were, or as most have been
+    const double lately = static_cast<double>(list.size() - of.last) / static_cast<double>(kPollInterval);
+    const double always = static_cast<double>(list.size() - of.first) / static_cast<double>(i);
+    const double wanted =
+        std::min(lately, always) * static_cast<double>(plantState_.string.size() - i) * kForecastMargin;
+    const auto most = static_cast<double>(list.size() - of.first);  // as much as there is: it is forecast again soon
     try {
-      touch = {};
-      static_cast<void>(reserveMore(list, static_cast<std::size_t>(rest)));
-      // not more at once than is there: the rest of the string may be bare
-      touchNext(list, std::min(list.capacity() - list.size(), added), touch);
+      of.touch = {};
+      static_cast<void>(reserveMore(list, static_cast<std::size_t>(std::min(wanted, kMostForecast * most))));
+      touchNext(list, static_cast<std::size_t>(std::min(wanted, most)), of.touch);
     } catch (const std::bad_alloc&) {
       // it was a guess: the lines that come may still find room
     }
   };
   if (output_.scene != nullptr) {
-    forecast(output_.scene->segments, firstSegment_, segmentTouch_);
+    forecast(output_.scene->segments, segments_);
   }
   if (output_.records != nullptr) {
-    forecast(*output_.records, firstRecord_, recordTouch_);
+    forecast(*output_.records, records_);
   }
   nextForecast_ = 2 * i;
 }
@@ -215,8 +218,12 @@ void Interpretation::walk(std::uint64_t& module, std::uint64_t end, std::uint64_
   while (i < end) {
     if (i >= nextPoll) {
       nextPoll = i + kPollInterval;
-      if (i >= nextForecast_ && i > 0) {
-        forecastOutput(i);
+      if (nextForecast_ != kNever) {
+        if (i >= nextForecast_ && i > 0) {
+          forecastOutput(i);
+        }
+        segments_.last = output_.scene == nullptr ? 0 : output_.scene->segments.size();
+        records_.last = output_.records == nullptr ? 0 : output_.records->size();
       }
       if ((cancelled != nullptr && cancelled->load(std::memory_order_relaxed)) || core::isWorkStopped()) {
         module_ = i;

@@ -187,12 +187,15 @@ class Interpretation {
   const InterpretationOutput& output_;
   Drawing drawing_;
 
-  // memory for the output: threads that touch it, and for a forecast what was there before, and when it is made
-  std::jthread segmentTouch_;
-  std::jthread recordTouch_;
-  std::size_t firstSegment_ = 0;
-  std::size_t firstRecord_ = 0;
-  std::uint64_t nextForecast_ = std::numeric_limits<std::uint64_t>::max();
+  /// Memory for a list of the output.
+  struct Forecast {
+    std::size_t first = 0;  // how many there were at the beginning
+    std::size_t last = 0;   // and at the last look
+    std::jthread touch;     // touches it
+  };
+  Forecast segments_;
+  Forecast records_;
+  std::uint64_t nextForecast_ = std::numeric_limits<std::uint64_t>::max();  // module; none: the string tells
 
   std::span<const BranchPart> branches_;          // still to be skipped, in order
   BranchStart* start_ = nullptr;                  // of the first of them

@@ -148,6 +148,7 @@ class Checker {
 
  private:
   void good(const std::string& what) { print_("ok    " + what); }
+  void note(const std::string& what) { print_("note  " + what); }
   void bad(const std::string& what) {
     print_("wrong " + what);
     isRight_ = false;
@@ -274,7 +275,11 @@ class Checker {
         return;
       }
       if (count == 7) {
-        good("shapes: " + std::to_string(replies->answeredCount) + " of 7 queries answered, no value too many");
+        if (replies->answeredCount == 0) {
+          note("shapes: none of 7 queries was answered, so modules keep their values; is a 'return' missing?");
+        } else {
+          good("shapes: " + std::to_string(replies->answeredCount) + " of 7 queries answered, no value too many");
+        }
       }
     }
     // a step without queries
