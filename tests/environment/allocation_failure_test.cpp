@@ -56,27 +56,13 @@ namespace {
 
 class AllocationFailure : public testing::TestWithParam<Candidate> {};
 
-turtle::QueryBatch batchOf(const Candidate& candidate, std::uint64_t step, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> place(0.0, 10.0);
-  QueryBuilder builder;
-  for (std::size_t i = 0; i < 24; ++i) {
-    std::vector<double> parameters(i % 6 == 5 && candidate.name != "multiple" ? 1 : candidate.parameterCount);
-    for (std::size_t k = 0; k < parameters.size(); ++k) {
-      parameters[k] = k == 0 ? 1.0 + static_cast<double>(i % 2) : place(random) / 10.0;
-    }
-    builder.add({place(random), place(random), place(random)}, parameters);
-  }
-  builder.batch().step = step;
-  return builder.batch();
-}
-
 TEST_P(AllocationFailure, LeavesTheStateAsItWas) {
   std::mt19937_64 random(5);
   const auto process = openProcess(GetParam().name, GetParam().configuration);
   const auto undisturbed = openProcess(GetParam().name, GetParam().configuration);
   ASSERT_TRUE(process && undisturbed);
   for (std::uint64_t step = 0; step < 2; ++step) {
-    const turtle::QueryBatch queries = batchOf(GetParam(), step, random);
+    const turtle::QueryBatch queries = queriesOf(GetParam(), step, random);
     const std::string before = process->save();
     turtle::ReplyBatch replies;
     bool hasFailed = true;

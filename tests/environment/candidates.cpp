@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "environment/registry.h"
+#include "tests/environment/query_builder.h"
 #include "tests/support/disk_files.h"
 #include "tests/support/places.h"
 
@@ -48,6 +49,20 @@ std::vector<BadConfiguration> badConfigurations() {
     all.push_back(std::move(bad));
   });
   return all;
+}
+
+turtle::QueryBatch queriesOf(const Candidate& candidate, std::uint64_t step, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> place(0.0, 10.0);
+  QueryBuilder builder;
+  for (std::size_t i = 0; i < 24; ++i) {
+    std::vector<double> parameters(i % 6 == 5 && candidate.name != "multiple" ? 1 : candidate.parameterCount);
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      parameters[k] = k == 0 ? 1.0 + static_cast<double>(i % 2) : place(random) / 10.0;
+    }
+    builder.add({place(random), place(random), place(random)}, parameters);
+  }
+  builder.batch().step = step;
+  return builder.batch();
 }
 
 std::string nameOf(const testing::TestParamInfo<Candidate>& info) {

@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <ostream>
+#include <random>
 #include <string>
 #include <vector>
+
+#include "engine/turtle/environment_process.h"
 
 namespace espalier::environment {
 
@@ -31,6 +35,9 @@ void PrintTo(const Candidate& candidate, std::ostream* stream);
 
 /// The members "wrong" of the same files.
 [[nodiscard]] std::vector<BadConfiguration> badConfigurations();
+
+/// Queries at random places for a step of a candidate; some have one parameter only.
+[[nodiscard]] turtle::QueryBatch queriesOf(const Candidate& candidate, std::uint64_t step, std::mt19937_64& random);
 
 /// The name of a test of a candidate.
 [[nodiscard]] std::string nameOf(const testing::TestParamInfo<Candidate>& info);

@@ -5,39 +5,14 @@
 #include <random>
 #include <set>
 
-#include "engine/core/work_meter.h"
 #include "tests/environment/candidates.h"
 #include "tests/environment/query_builder.h"
+#include "tests/environment/stops_after.h"
 
 namespace espalier::environment::stopped_step_test {
 namespace {
 
-/// Stops the work when it has asked so often.
-class StopsAfter final : public core::WorkMeter {
- public:
-  explicit StopsAfter(int asked) : left_(asked) {}
-  [[nodiscard]] bool take(std::int64_t) noexcept override { return true; }
-  [[nodiscard]] bool isStopped() const noexcept override { return left_-- <= 0; }
-
- private:
-  mutable int left_;
-};
-
 class StoppedStep : public testing::TestWithParam<Candidate> {};
-
-turtle::QueryBatch batchOf(const Candidate& candidate, std::uint64_t step, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> place(0.0, 10.0);
-  QueryBuilder builder;
-  for (std::size_t i = 0; i < 24; ++i) {
-    std::vector<double> parameters(candidate.parameterCount);
-    for (std::size_t k = 0; k < parameters.size(); ++k) {
-      parameters[k] = k == 0 ? 1.0 + static_cast<double>(i % 2) : place(random) / 10.0;
-    }
-    builder.add({place(random), place(random), place(random)}, parameters);
-  }
-  builder.batch().step = step;
-  return builder.batch();
-}
 
 // gives the step up after its first look at the meter, after its second, and so on, until it is made
 TEST_P(StoppedStep, LeavesTheStateAsItWas) {
@@ -50,7 +25,7 @@ TEST_P(StoppedStep, LeavesTheStateAsItWas) {
   ASSERT_TRUE(process && undisturbed);
   int stopped = 0;
   for (std::uint64_t step = 0; step < 2; ++step) {
-    const turtle::QueryBatch queries = batchOf(GetParam(), step, random);
+    const turtle::QueryBatch queries = queriesOf(GetParam(), step, random);
     const std::string before = process->save();
     turtle::ReplyBatch replies;
     bool isStopped = true;

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
 #include <numbers>
 
@@ -9,6 +8,7 @@
 #include "engine/turtle/scene/geometry.h"
 #include "environment/light/sun_position.h"
 #include "tests/environment/query_builder.h"
+#include "tests/environment/stops_after.h"
 
 namespace espalier::environment::light_test {
 namespace {
@@ -68,17 +68,6 @@ class LeafScene {
 
  private:
   turtle::Geometry geometry_;
-};
-
-/// Stops the work when it has asked so often.
-class StopsAfter final : public core::WorkMeter {
- public:
-  explicit StopsAfter(int asked) : left_(asked) {}
-  [[nodiscard]] bool take(std::int64_t) noexcept override { return true; }
-  [[nodiscard]] bool isStopped() const noexcept override { return left_-- <= 0; }
-
- private:
-  mutable std::atomic<int> left_;
 };
 
 TEST(Light, AStepThatIsGivenUpLeavesNoHalfTracedRays) {
