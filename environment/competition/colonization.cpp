@@ -144,7 +144,7 @@ class Colonization final : public turtle::EnvironmentProcess {
       }
     }
     free_ = gridOf(isFree_);
-    // most steps need no memory
+    // made here, so that most steps take no memory
     nearest_.resize(markers_.size());
     own_.reserve(markers_.size());
     return std::nullopt;

@@ -39,10 +39,10 @@ class RaySums {
   template <typename RayOf, typename MarginOf, typename AmountOf>
   Rays(std::size_t, std::int64_t, RayOf, MarginOf, AmountOf, bool = false) -> Rays<RayOf, MarginOf, AmountOf>;
 
-  /// Throws WorkStopped, then the kept sums are as before.
   /// Calls `visit(index, sums)` for every sphere of `now` with the sums along its rays (std::span, by ray). O(n · rays
   /// · (log n + spheres met)); when c spheres came or went since the last update, O(n log n + n · rays · (log c +
   /// changed spheres met) + c · rays · (log n + spheres met)).
+  /// Throws WorkStopped; the kept sums are as before then.
   template <typename RayOf, typename MarginOf, typename AmountOf, typename Visit>
   void update(const DistinctSpheres& now, const Rays<RayOf, MarginOf, AmountOf>& rays, const Visit& visit);
   /// Forgets all sums. Call it before an update with other `rays`.

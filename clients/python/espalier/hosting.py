@@ -204,6 +204,7 @@ class Host:
         columns = read_columns(parameters, blocks)
         answer = self._run("step_columns()", lambda: environment.step_columns(columns), step)
         if answer is None:
+            self._note_silence(columns.count, step)
             return Reply({"replies": []})
         try:
             array, width = _as_column(answer)
@@ -262,11 +263,15 @@ class Host:
                 values.append(value)
             if values:
                 replies.append({"id": query.id, "parameters": values})
-        if queries and not replies and not self._has_noted_silence:
-            self._has_noted_silence = True
-            print(f"{self._class.name()}: step {step}: none of {len(queries)} queries was answered, so the modules keep their "
-                  "values. Is a 'return' missing? (This is said once.)", file=sys.stderr, flush=True)
+        if not replies:
+            self._note_silence(len(queries), step)
         return replies
+
+    def _note_silence(self, count: int, step: int) -> None:
+        if count > 0 and not self._has_noted_silence:
+            self._has_noted_silence = True
+            print(f"{self._class.name()}: step {step}: none of {count} queries was answered, so the modules keep their values. "
+                  "Is a 'return' missing? (This is said once.)", file=sys.stderr, flush=True)
 
     def _mistake(self, what: str, step: int) -> wire.Refusal:
         """A wrong answer of the subclass: prints it here and returns the error for the server."""

@@ -30,6 +30,12 @@ def private_folder() -> str:
     return tempfile.mkdtemp(prefix="espalier-", dir="/tmp")
 
 
+def _remove(folder: str, owner: int) -> None:
+    """A process that its program has forked ends too, and the folder is not its own."""
+    if os.getpid() == owner:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
 class PrivateServer(Server):
     """A server on a socket that only this user can reach, with a token that only this program knows."""
 
@@ -37,7 +43,7 @@ class PrivateServer(Server):
         """`arguments` follow `serve`; without --log-level only warnings are shown."""
         folder = private_folder()
         # also of a program that ends without stop()
-        self._remove_folder = weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+        self._remove_folder = weakref.finalize(self, _remove, folder, os.getpid())
         try:
             self.token = secrets.token_hex(32)
             token_file = os.path.join(folder, "token")

@@ -195,7 +195,8 @@ class Interpretation {
   };
   Forecast segments_;
   Forecast records_;
-  std::uint64_t nextForecast_ = std::numeric_limits<std::uint64_t>::max();  // module; none: the string tells
+  /// The module before which the output is forecast next; the largest number: never.
+  std::uint64_t nextForecast_ = std::numeric_limits<std::uint64_t>::max();
 
   std::span<const BranchPart> branches_;          // still to be skipped, in order
   BranchStart* start_ = nullptr;                  // of the first of them

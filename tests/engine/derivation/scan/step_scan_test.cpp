@@ -1,9 +1,7 @@
 // The scan against an independent specification: the plain derivation of tests/support, on models made at random.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <atomic>
-#include <cstdlib>
 #include <random>
 #include <string>
 #include <string_view>
@@ -14,7 +12,6 @@
 #include "tests/engine/derivation/scan/model_maker.h"
 #include "tests/support/derived_model.h"
 #include "tests/support/plain_derivation.h"
-#include "tests/support/sanitized.h"
 
 namespace espalier::step_scan_test {
 namespace {
@@ -616,23 +613,6 @@ TEST_P(ScanOnThreads, AGrowthThatNobodyForesawIsWrittenWhole) {
   for (std::size_t i = 0; i < 500000; ++i) {
     ASSERT_EQ(model.state().string.parameters()[i], i / 50 == 77 ? 3.0 : 4.0) << i;
   }
-}
-
-TEST(Scan, AnEstimateBeyondTheAddressSpaceIsNoFailure) {
-  // the first step multiplies the string by 131,072: after it, 16 GB are expected, the most that the limits allow
-  const std::string model = modelText("", "A(1)",
-                                      "A(x) --> T(17)\nI(x) --> I(x+1)\ndecomposition\nmaximum depth: 40\n"
-                                      "T(n) : n>0 --> T(n-1)T(n-1)\nT(n) : n<=0 --> I(1)\n");
-  const auto deriveInLittleSpace = [&model] {
-    if (!kIsSanitized) {
-      const rlimit bound{3'000'000'000, 3'000'000'000};
-      setrlimit(RLIMIT_AS, &bound);
-    }
-    DerivedModel derived(model);
-    derived.steps(3);
-    std::exit(derived.state().string.parameters()[131071] == 3.0 ? 0 : 1);
-  };
-  EXPECT_EXIT(deriveInLittleSpace(), testing::ExitedWithCode(0), "");
 }
 
 TEST_P(ScanOnThreads, FixedBlocksAndTheirParametersAreWrittenWhole) {
