@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "engine/core/work_meter.h"
+#include "engine/language/checks/formal_modules.h"
 #include "engine/language/checks/module_checks.h"
+#include "engine/language/checks/reach_checks.h"
 #include "engine/language/checks/word_checks.h"
 #include "engine/language/constant_evaluation.h"
 
@@ -53,7 +55,7 @@ class Checks {
     checkPolygons();
     // about the letters of such words further messages would only repeat the first
     if (isTranslation_ || !checkWords(text_, model_, messages_)) {
-      checkNeverMade();
+      checkReach(text_, isTranslation_, model_, messages_);
       checkUnread();
       checkModules(text_, model_, messages_);
     }
@@ -81,26 +83,9 @@ class Checks {
       });
     }
   }
-  template <typename Action>
-  static void forFormals(const ProductionSyntax& production, Action action) {
-    for (const FormalModuleSyntax& module : production.predecessor) {
-      action(module);
-    }
-    for (const auto* context :
-         {&production.leftContext, &production.rightContext, &production.newLeftContext, &production.newRightContext}) {
-      for (const ContextElementSyntax& element : *context) {
-        if (element.kind == ContextElement::Kind::Module) {
-          action(element.module);
-        }
-      }
-    }
-  }
   [[nodiscard]] ModuleType typeOf(core::ModuleTypeId type) const { return model_.symbols.types()[type]; }
   [[nodiscard]] char characterOf(core::ModuleTypeId type) const {
     return model_.symbols[typeOf(type).symbol].character();
-  }
-  [[nodiscard]] const std::string& nameOf(core::ModuleTypeId type) const {
-    return model_.symbols[typeOf(type).symbol].name;
   }
   [[nodiscard]] std::string textOf(core::SourceRange range) const {
     return foldBlanks(text_.substr(range.begin, range.end - range.begin));
@@ -201,50 +186,6 @@ class Checks {
       } else if (isAlwaysTrue(production)) {
         earlier.push_back(&production);
       }
-    }
-  }
-
-  void checkNeverMade() {
-    std::set<core::ModuleTypeId> made;
-    std::map<core::SymbolId, std::set<std::uint16_t>> arities;
-    forModules([&](const Modules& modules) {
-      for (const ModuleSyntax& module : modules) {
-        made.insert(module.type);
-        arities[typeOf(module.type).symbol].insert(typeOf(module.type).arity);
-      }
-    });
-    std::set<core::ModuleTypeId> reported;
-    const auto check = [&](const FormalModuleSyntax& module) {
-      // the engine itself makes %(p,index)
-      const bool isBracket = characterOf(module.type) == '[' || characterOf(module.type) == ']';
-      if (made.contains(module.type) || isBracket || characterOf(module.type) == '%' ||
-          !reported.insert(module.type).second) {
-        return;
-      }
-      const std::string written = textOf(module.range);
-      const auto others = arities.find(typeOf(module.type).symbol);
-      if (others == arities.end()) {
-        messages_.warning(module.range, "'" + written + "' never matches: no axiom or successor makes the module " +
-                                            nameOf(module.type));
-        return;
-      }
-      std::string found;
-      for (const std::uint16_t arity : others->second) {
-        found += (found.empty() ? "" : " or ") + (arity == 0 ? std::string("no") : std::to_string(arity));
-      }
-      messages_.warning(module.range,
-                        "'" + written + "' never matches: " + nameOf(module.type) + " is only made with " + found +
-                            (others->second == std::set<std::uint16_t>{1} ? " parameter" : " parameters"),
-                        "a production matches only modules with exactly as many parameters");
-    };
-    for (const LSystemSyntax& system : model_.systems) {
-      forLists(system, [&](const ProductionListSyntax& list) {
-        for (const ProductionSyntax& production : list.productions) {
-          if (!isDrawing(system, list)) {
-            forFormals(production, check);
-          }
-        }
-      });
     }
   }
 

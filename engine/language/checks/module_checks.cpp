@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/language/checks/formal_modules.h"
+
 namespace espalier::language {
 namespace {
 
@@ -61,16 +63,8 @@ class ModuleChecks {
   void addRead(const ProductionSyntax& production) {
     for (const FormalModuleSyntax& module : production.predecessor) {
       rewritten_[model_.symbols.types()[module.type].symbol].insert(arityOf(module.type));
-      read_.insert(module.type);
     }
-    for (const auto* context :
-         {&production.leftContext, &production.rightContext, &production.newLeftContext, &production.newRightContext}) {
-      for (const ContextElementSyntax& element : *context) {
-        if (element.kind == ContextElement::Kind::Module) {
-          read_.insert(element.module.type);
-        }
-      }
-    }
+    forFormals(production, [this](const FormalModuleSyntax& module) { read_.insert(module.type); });
   }
 
   // ---- queries

@@ -246,10 +246,12 @@ class SpeciesReader {
         isCorrected = true;
       }
     }
-    report_.warn(axiom_.offset, 1,
-                 std::string("no rule rewrites the axiom ") + start +
-                     (isCorrected ? ": the rules that contain it are read as its own" : ": the species never grows"),
-                 isCorrected ? std::string("write '") + start + " -> ...' for them" : std::string{});
+    if (isCorrected) {
+      report_.warn(
+          axiom_.offset, 1,
+          std::string("no rule rewrites the axiom ") + start + ": the rules that contain it are read as its own",
+          std::string("write '") + start + " -> ...' for them");
+    }
   }
 
   void addRules() {

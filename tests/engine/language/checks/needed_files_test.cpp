@@ -55,7 +55,7 @@ TEST(NeededFiles, AFileThatTheModelDoesNotDrawStaysAWarning) {
 }
 
 TEST(NeededFiles, ASurfaceThatNoFileDefinesIsAWarningAtItsFirstPlace) {
-  core::MemoryFileProvider files({{"m.l", model("A --> F[+~l][-~l]~k A\nhomomorphism\nA --> ~l")}});
+  core::MemoryFileProvider files({{"m.l", model("A --> F[+~l][-~l]~k A\nhomomorphism\nA --> ~l", "A")}});
   CompileInput input;
   input.modelFile = "m.l";
   const CompileResult result = compile(input, files);
