@@ -159,19 +159,23 @@ class Colonization final : public turtle::EnvironmentProcess {
           "the 'markerBox' to spread them in.",
           false};
     }
-    removed_.clear();
+    if (isGivenUp_) {
+      free_ = gridOf(isFree_);
+      isGivenUp_ = false;
+    }
+    taken_.clear();
     try {
-      if (const std::size_t count = occupy(queries.position); count > 0) {
-        removed_.reserve(count);
+      occupy(queries.position);
+      if (!taken_.empty()) {
         const std::uint8_t* const isFree = isFree_.data();
-        free_.keep([isFree](const MarkerGrid::Marker& marker) { return isFree[marker.number] != 0; }, removed_);
+        free_.keep([isFree](const MarkerGrid::Marker& marker) { return isFree[marker.number] != 0; });
       }
       answerAll(queries, replies);
     } catch (...) {
-      free_.putBack(removed_);
-      for (const MarkerGrid::Marker& marker : free_.markers()) {
-        isFree_[marker.number] = 1;
+      for (const std::uint32_t marker : taken_) {
+        isFree_[marker] = 1;
       }
+      isGivenUp_ = true;
       throw;
     }
     countAnswers(queries, replies);
@@ -211,6 +215,7 @@ class Colonization final : public turtle::EnvironmentProcess {
     }
     free_ = gridOf(isFree);
     isFree_ = std::move(isFree);
+    isGivenUp_ = false;
     return std::nullopt;
   }
 
@@ -232,17 +237,19 @@ class Colonization final : public turtle::EnvironmentProcess {
     return {markers, reach()};
   }
 
-  /// Takes away the markers around places; `free_` still has them. Returns their number.
-  [[nodiscard]] std::size_t occupy(std::span<const Vec3> places) {
-    std::size_t count = 0;
+  /// Takes the markers around places and notes them in `taken_`; `free_` still has them.
+  void occupy(std::span<const Vec3> places) {
     for (const Vec3& place : places) {
       core::pollWork();
       const double radius = occupancyRadius_;
       visitWithin(place, boxOfCone(place, {}, radius, kEveryDirection), radius, [&](std::size_t slot, double) {
-        count += std::exchange(isFree_[free_.markers()[slot].number], std::uint8_t{0});
+        const std::uint32_t marker = free_.markers()[slot].number;
+        if (isFree_[marker] != 0) {
+          taken_.push_back(marker);
+          isFree_[marker] = 0;
+        }
       });
     }
-    return count;
   }
 
   void answerAll(const turtle::QueryBatch& queries, turtle::ReplyBatch& replies) {
@@ -326,9 +333,10 @@ class Colonization final : public turtle::EnvironmentProcess {
   std::vector<Vec3> markers_;
   std::vector<std::uint8_t> isFree_;  // (markers)
   std::vector<std::uint32_t> ranks_;  // place of each marker in sums (markers)
-  MarkerGrid free_;                   // the markers that are left
+  MarkerGrid free_;                   // the markers that are left, unless a step was given up
+  bool isGivenUp_ = false;            // whether the last step was
   // in a step
-  std::vector<MarkerGrid::Removed> removed_;
+  std::vector<std::uint32_t> taken_;
   std::vector<double> nearest_;                               // squared distance of the nearest bud, by slot of free_
   std::vector<std::pair<std::uint32_t, std::uint32_t>> own_;  // rank and slot of the markers of one bud
 };

@@ -59,26 +59,6 @@ MarkerGrid::MarkerGrid(std::span<const Marker> markers, double reach) : size_(re
   }
 }
 
-// apart from keep(), whose loop over all cells is faster without it
-void MarkerGrid::note(std::size_t cell, std::size_t slot, std::vector<Removed>& removed) const {
-  removed.push_back({cell, slot, markers_[slot]});
-}
-
-void MarkerGrid::putBack(std::span<const Removed> removed) {
-  std::size_t left = markers_.size();
-  markers_.resize(left + removed.size());
-  std::size_t back = removed.size();
-  for (std::size_t slot = markers_.size(); back > 0; --slot) {
-    markers_[slot - 1] = removed[back - 1].slot == slot - 1 ? removed[--back].marker : markers_[--left];
-  }
-  for (std::size_t cell = 0; cell < begins_.size(); ++cell) {
-    begins_[cell] += back;
-    while (back < removed.size() && removed[back].cell == cell) {
-      ++back;
-    }
-  }
-}
-
 MarkerGrid::Cell MarkerGrid::cellOf(const core::Vec3& place) const {
   return {clamped((place.x - low_.x) / size_, counts_[0]), clamped((place.y - low_.y) / size_, counts_[1]),
           clamped((place.z - low_.z) / size_, counts_[2])};

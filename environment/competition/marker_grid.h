@@ -45,16 +45,9 @@ class MarkerGrid {
       }
     }
   }
-  /// A marker that was removed, where it was.
-  struct Removed {
-    std::size_t cell = 0;
-    std::size_t slot = 0;
-    Marker marker;
-  };
-  /// Removes the markers of which `isLeft(marker)` is false and appends them to `removed`, which has room for them.
-  /// Slots change. O(markers).
+  /// Removes the markers of which `isLeft(marker)` is false. Slots change. O(markers), needs no memory.
   template <typename IsLeft>
-  void keep(const IsLeft& isLeft, std::vector<Removed>& removed) {
+  void keep(const IsLeft& isLeft) {
     std::size_t next = 0;
     std::size_t slot = 0;
     for (std::size_t cell = 0; cell + 1 < begins_.size(); ++cell) {
@@ -62,8 +55,6 @@ class MarkerGrid {
       for (const std::size_t end = begins_[cell + 1]; slot < end; ++slot) {
         if (isLeft(markers_[slot])) {
           markers_[next++] = markers_[slot];
-        } else {
-          note(cell, slot, removed);
         }
       }
     }
@@ -72,13 +63,10 @@ class MarkerGrid {
     }
     markers_.resize(next);
   }
-  /// Puts all markers back that the last keep() removed. Needs no memory. O(markers).
-  void putBack(std::span<const Removed> removed);
 
  private:
   using Cell = std::array<std::size_t, 3>;
   [[nodiscard]] Cell cellOf(const core::Vec3& place) const;
-  void note(std::size_t cell, std::size_t slot, std::vector<Removed>& removed) const;
 
   core::Vec3 low_;
   double size_ = 1.0;                // of a cell
