@@ -61,15 +61,19 @@ bool isPlainText(std::string_view bytes) {
 }
 
 std::optional<std::string> jsonProblem(std::string_view json) {
-  if (isNestedTooDeeply(json)) {
-    return "brackets are nested deeper than " + std::to_string(kDeepestNesting);
-  }
-  try {
-    const JsonTree parsed(nlohmann::json::parse(json));
+  const auto tree = parseTree(json);
+  if (tree) {
     return std::nullopt;
-  } catch (const nlohmann::json::exception& exception) {
-    return parserMessage(exception);
   }
+  switch (tree.error().kind) {
+    case JsonFault::Kind::TooDeep:
+      return "brackets are nested deeper than " + std::to_string(kDeepestNesting);
+    case JsonFault::Kind::RepeatedName:
+      return "an object has '" + tree.error().what + "' twice";
+    case JsonFault::Kind::NotJson:
+      break;
+  }
+  return tree.error().what;
 }
 
 }  // namespace espalier::protocol

@@ -23,7 +23,8 @@ namespace espalier::protocol {
 /// Whether bytes are text that JSON can carry: UTF-8 without a zero byte.
 [[nodiscard]] bool isPlainText(std::string_view bytes);
 
-/// The reason why a text is not one JSON value, as `line 3, column 7: ...`. Nothing when it is one.
+/// The reason why a text is not one JSON value, as `parse error at line 3, column 7: ...`, or that it is nested too
+/// deeply or has an object with a name twice. Nothing when it can be read.
 [[nodiscard]] std::optional<std::string> jsonProblem(std::string_view json);
 
 }  // namespace espalier::protocol

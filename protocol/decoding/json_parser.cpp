@@ -126,25 +126,39 @@ std::string parserMessage(const nlohmann::json::exception& exception) {
   return bracket == std::string::npos ? text : text.substr(bracket + 2);
 }
 
-Expected<JsonTree> parseJson(std::string_view text) {
+tl::expected<JsonTree, JsonFault> parseTree(std::string_view text) {
   if (isNestedTooDeeply(text)) {
-    return tl::unexpected(
-        Error{ErrorCode::Parse,
-              "The message nests brackets deeper than " + std::to_string(kDeepestNesting) + ". Send flatter JSON.",
-              {}});
+    return tl::unexpected(JsonFault{JsonFault::Kind::TooDeep, {}});
   }
   TreeBuilder builder;
   if (nlohmann::json::sax_parse(text, &builder)) {
     return builder.take();
   }
-  if (builder.problem().empty()) {
-    return tl::unexpected(
-        Error{ErrorCode::InvalidRequest,
-              "An object of the message has '" + builder.repeatedName() + "' twice. Send each name once.",
-              {}});
+  return tl::unexpected(builder.problem().empty() ? JsonFault{JsonFault::Kind::RepeatedName, builder.repeatedName()}
+                                                  : JsonFault{JsonFault::Kind::NotJson, builder.problem()});
+}
+
+Expected<JsonTree> parseJson(std::string_view text) {
+  auto tree = parseTree(text);
+  if (tree) {
+    return std::move(*tree);
+  }
+  switch (tree.error().kind) {
+    case JsonFault::Kind::TooDeep:
+      return tl::unexpected(
+          Error{ErrorCode::Parse,
+                "The message nests brackets deeper than " + std::to_string(kDeepestNesting) + ". Send flatter JSON.",
+                {}});
+    case JsonFault::Kind::RepeatedName:
+      return tl::unexpected(
+          Error{ErrorCode::InvalidRequest,
+                "An object of the message has '" + tree.error().what + "' twice. Send each name once.",
+                {}});
+    case JsonFault::Kind::NotJson:
+      break;
   }
   return tl::unexpected(Error{ErrorCode::Parse,
-                              "The line is not JSON: " + builder.problem() +
+                              "The line is not JSON: " + tree.error().what +
                                   ". Send one JSON object per line, in UTF-8; NaN and Infinity are not JSON numbers.",
                               {}});
 }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 #include <utility>
 
 #include "protocol/errors.h"
@@ -32,7 +34,17 @@ struct JsonTree {
   nlohmann::json value;
 };
 
-/// Parses a message. Refuses a text that is not JSON, is nested too deeply, or has an object with a name twice.
+/// Why a text is refused.
+struct JsonFault {
+  enum class Kind : std::uint8_t { TooDeep, NotJson, RepeatedName };
+  Kind kind = Kind::NotJson;
+  std::string what;  // NotJson: the parser's message; RepeatedName: the name that an object has twice
+};
+
+/// Parses a text. Refuses one that is not JSON, is nested too deeply, or has an object with a name twice.
+[[nodiscard]] tl::expected<JsonTree, JsonFault> parseTree(std::string_view text);
+
+/// The same for a message, with the error that its sender gets.
 [[nodiscard]] Expected<JsonTree> parseJson(std::string_view text);
 
 }  // namespace espalier::protocol

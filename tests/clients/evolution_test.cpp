@@ -338,6 +338,8 @@ TEST(EvolutionFile, SaysWhyItCannotGoOn) {
   settings.model = "changed";
   EXPECT_EQ(readEvolution(file, settings).error(), "the model, its view or its environment has changed since");
   EXPECT_EQ(readEvolution("{", settings).error().rfind("it is damaged: ", 0), 0U);
+  EXPECT_EQ(readEvolution(std::string(200'000, '[') + std::string(200'000, ']'), settings).error(),
+            "it is damaged: brackets are nested deeper than 64");
 }
 
 }  // namespace

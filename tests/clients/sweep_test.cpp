@@ -48,9 +48,11 @@ TEST(Plan, NamesEveryMistakeWithItsPlaceAndTheNearestName) {
   EXPECT_NE(problemOf(R"({"model":"a"})").find("measures: missing"), std::string::npos);
   EXPECT_EQ(problemOf(R"({"model":"a","measures":{"h":"height"}})"),
             "measures.h: expected a measure such as {\"plant\": \"height\"}, found \"height\"");
-  EXPECT_NE(problemOf(R"({"model":"a","model":"b",)" + kMeasures + "}").find("has this member twice"),
+  EXPECT_NE(problemOf(R"({"model":"a","model":"b",)" + kMeasures + "}").find("an object has 'model' twice"),
             std::string::npos);
   EXPECT_NE(problemOf("{").find("the plan is not valid JSON"), std::string::npos);
+  EXPECT_EQ(problemOf(R"({"model":)" + std::string(200'000, '[') + std::string(200'000, ']') + "}"),
+            "the plan is not valid JSON: brackets are nested deeper than 64");
   EXPECT_NE(problemOf(R"({"model":"a","parameters":{"R":{"log":[0,1]}},)" + kMeasures + "}")
                 .find("parameters.R.log: both numbers must be above 0"),
             std::string::npos);

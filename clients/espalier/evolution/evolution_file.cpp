@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "clients/espalier/evolution/evolution.h"
+#include "protocol/json_text.h"
 
 namespace espalier::command {
 namespace {
@@ -83,6 +84,9 @@ std::string writeEvolution(const EvolutionSettings& settings, const Generation& 
 }
 
 Result<Generation> readEvolution(std::string_view text, const EvolutionSettings& settings) {
+  if (const auto fault = protocol::jsonProblem(text)) {
+    return problem("it is damaged: " + *fault);
+  }
   try {
     const json file = json::parse(text);
     if (file.at("espalierEvolution").get<int>() != kVersion) {

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "clients/espalier/sweep/shape_measures.h"
 #include "clients/espalier/sweep/tree_measures.h"
 #include "engine/core/diagnostic.h"
 #include "protocol/codec.h"
+#include "protocol/json_text.h"
 
 namespace espalier::command {
 namespace {
@@ -513,29 +512,11 @@ void readModel(MemberReader& reader, Plan& plan, std::vector<std::string>& probl
 }  // namespace
 
 Result<Plan> readPlan(std::string_view json) {
-  ordered_json root;
-  std::vector<std::string> problems;
-  // the JSON library keeps one of two members with one name, and says nothing
-  std::vector<std::set<std::string>> open;
-  const auto noteNames = [&](int, ordered_json::parse_event_t event, ordered_json& parsed) {
-    using Event = ordered_json::parse_event_t;
-    if (event == Event::object_start) {
-      open.emplace_back();
-    } else if (event == Event::object_end) {
-      open.pop_back();
-    } else if (event == Event::key && !open.back().insert(parsed.get<std::string>()).second) {
-      problems.push_back(parsed.get<std::string>() + ": an object of the plan has this member twice");
-    }
-    return true;
-  };
-  try {
-    root = ordered_json::parse(json, noteNames);
-  } catch (const std::exception& error) {
-    // without the library's number of the error
-    const std::string what = error.what();
-    const std::size_t end = what.find("] ");
-    return problem("the plan is not valid JSON: " + what.substr(end == std::string::npos ? 0 : end + 2));
+  if (const auto fault = protocol::jsonProblem(json)) {
+    return problem("the plan is not valid JSON: " + *fault);
   }
+  const ordered_json root = ordered_json::parse(json);
+  std::vector<std::string> problems;
   Plan plan;
   plan.text = root.dump();
   MemberReader reader(root, "", problems);
