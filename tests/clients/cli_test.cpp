@@ -196,6 +196,16 @@ TEST_F(Cli, CheckSaysThatAModelIsRight) {
   EXPECT_EQ(result.status, 0);
 }
 
+TEST_F(Cli, CheckTakesSeveralModels) {
+  folder_.write("algae.l", kAlgae);
+  folder_.write("bad.l", "Lsystem: 1\nAxiom A\nendlsystem\n");
+  const ProgramRun result = run("check algae.l bad.l none.l algae.l");
+  EXPECT_EQ(result.output, "algae.l: no errors\nalgae.l: no errors\n");
+  EXPECT_TRUE(contains(result.errors, "bad.l:2:")) << result.errors;
+  EXPECT_TRUE(contains(result.errors, "there is no file 'none.l'")) << result.errors;
+  EXPECT_EQ(result.status, 1);
+}
+
 TEST_F(Cli, CheckStartsAndConnectsToNoOtherProcess) {
   folder_.write("height.l", kHeight);
   for (const char* environment : {"tcp://127.0.0.1:9", "stdio:touch started"}) {

@@ -1,7 +1,11 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/environment_loading.h"
@@ -15,6 +19,7 @@ namespace {
 
 struct ModelCheckOptions {
   ModelOptions model;
+  std::vector<std::string> others;  // further models
   bool isList = false;
 };
 
@@ -59,8 +64,7 @@ int checkEntries(const ModelOptions& options, const std::vector<std::string>& en
   return kFailure;
 }
 
-int check(ModelCheckOptions& options) {
-  server::DiskFileProvider files;
+int checkModel(ModelCheckOptions options, core::FileProvider& files) {
   const std::vector<std::string> entries = modelEntries(options.model, files);
   if (options.isList) {
     for (const std::string& entry : entries) {
@@ -89,19 +93,32 @@ int check(ModelCheckOptions& options) {
   return kSuccess;
 }
 
+int check(const ModelCheckOptions& options) {
+  server::DiskFileProvider files;
+  int status = checkModel(options, files);
+  for (const std::string& other : options.others) {
+    ModelCheckOptions one = options;
+    one.model.model = other;
+    status = std::max(status, checkModel(std::move(one), files));
+  }
+  return status;
+}
+
 }  // namespace
 
 void addCheck(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand("check", "Read a model and list its errors and warnings");
   command->footer(
       "Prints every error and warning on standard error with its place and a hint. Derives nothing.\n"
-      "Of a file with several models each is checked.\n"
+      "Of a file with several models each is checked. The options count for all models.\n"
       "Exit status 1 when there is an error, with --strict also when there is a warning.\n"
       "Examples:\n"
       "  espalier check tree.l\n"
+      "  espalier check models/*.l\n"
       "  espalier check curves.l --list          the models in the file");
   auto options = std::make_shared<ModelCheckOptions>();
   addReadingOptions(*command, options->model, true);
+  command->add_option("others", options->others, "Further models")->type_name("MODEL");
   command->add_flag("--list", options->isList, "Only list the models in the file, as FILE:ENTRY");
   command->callback([options, &status] { status = check(*options); });
 }
