@@ -223,8 +223,9 @@ TEST_F(Cli, WrongOptionsNameThePageThatListsTheRightOnes) {
     EXPECT_EQ(result.status, 2) << arguments;
     return result.errors;
   };
-  EXPECT_EQ(error("token new a --role king"),
-            "error: --role: king not in {controller,viewer,environment}; `espalier token new --help` lists the options\n");
+  EXPECT_EQ(
+      error("token new a --role king"),
+      "error: --role: king not in {controller,viewer,environment}; `espalier token new --help` lists the options\n");
   EXPECT_EQ(error("connect 127.0.0.1:1 get"),
             "error: SIMULATION is required; `espalier connect ADDRESS get --help` lists the options\n");
   EXPECT_EQ(error("--nonsense"), "error: A subcommand is required; `espalier --help` lists the options\n");
