@@ -32,6 +32,7 @@ void ReplyBatch::prepare(const QueryBatch& queries) {
   isSet.assign(queries.parameters.size(), 0);
   answeredCount = 0;
   surplusCount = 0;
+  notes.clear();
 }
 
 std::optional<EnvironmentError> EnvironmentProcess::tick(std::uint64_t /*step*/) {

@@ -95,6 +95,7 @@ struct ReplyBatch {
   std::vector<std::uint8_t> isSet;  // 0: the module keeps its value
   std::uint64_t answeredCount = 0;  // queries with at least one value set
   std::uint64_t surplusCount = 0;   // values beyond a module's parameters, dropped
+  std::vector<std::string> notes;   // sentences for the user; the same one is said once in a simulation
 
   /// Sizes the batch for the queries with nothing set.
   void prepare(const QueryBatch& queries);

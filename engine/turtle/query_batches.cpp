@@ -75,6 +75,7 @@ void mergeReplies(const QueryBatch& whole, std::span<const std::size_t> chosen, 
   }
   wholeReplies.answeredCount += partReplies.answeredCount;
   wholeReplies.surplusCount += partReplies.surplusCount;
+  wholeReplies.notes.insert(wholeReplies.notes.end(), partReplies.notes.begin(), partReplies.notes.end());
 }
 
 }  // namespace espalier::turtle

@@ -14,6 +14,7 @@
 #include "environment/base/replies.h"
 #include "environment/competition/published_variants.h"
 #include "environment/competition/stamped_counts.h"
+#include "environment/geometry/box_note.h"
 #include "environment/geometry/raster.h"
 
 namespace espalier::environment {
@@ -60,6 +61,7 @@ class Ornament final : public turtle::EnvironmentProcess {
       replies.set(queries, query, 1, cell ? raster_.lightOf(*cell) : 0.0);
     }
     countAnswers(queries, replies);
+    noteIfAllAreOutside("ornament", raster_.shape().box(), lengthUnit_, queries, replies);
     return std::nullopt;
   }
 

@@ -1,5 +1,6 @@
 #include "environment/geometry/raster.h"
 
+#include <limits>
 #include <utility>
 
 #include "environment/base/image_of_line.h"
@@ -51,6 +52,19 @@ RasterShape rasterShapeOf(const Configuration& configuration) {
           pairOf("position"),
           pairOf("range"),
           {static_cast<std::size_t>(columns), static_cast<std::size_t>(rows)}};
+}
+
+Bounds RasterShape::box() const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const std::array<double, 2> high{position[0] + range[0], position[1] + range[1]};
+  switch (plane) {
+    case Plane::Xy:
+      return {{position[0], position[1], -kInfinity}, {high[0], high[1], kInfinity}};
+    case Plane::Yz:
+      return {{-kInfinity, position[0], position[1]}, {kInfinity, high[0], high[1]}};
+    default:
+      return {{position[0], -kInfinity, position[1]}, {high[0], kInfinity, high[1]}};
+  }
 }
 
 RasterMaps rasterMapsOf(const Configuration& configuration, const RasterShape& shape, PixelOfCell pixelOfCell) {

@@ -11,6 +11,7 @@
 #include "engine/core/vec3.h"
 #include "environment/base/configuration.h"
 #include "environment/base/process_entry.h"
+#include "environment/geometry/box_tree.h"
 #include "environment/geometry/plane.h"
 
 namespace espalier::environment {
@@ -28,6 +29,8 @@ struct RasterShape {
     const auto all = static_cast<double>(cellCount());
     return std::min(all, all * area / (range[0] * range[1]));
   }
+  /// The space over the raster.
+  [[nodiscard]] Bounds box() const;
   /// The coordinates of a point across and along.
   [[nodiscard]] std::array<double, 2> flat(const core::Vec3& point) const {
     return {plane == Plane::Yz ? point.y : point.x, plane == Plane::Xy ? point.y : point.z};

@@ -14,6 +14,7 @@
 #include "engine/core/elementary.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
+#include "environment/geometry/box_note.h"
 #include "environment/geometry/raster.h"
 #include "environment/light/leaf_counts.h"
 #include "environment/light/published_variants.h"
@@ -82,6 +83,7 @@ class Clover final : public turtle::EnvironmentProcess {
       }
     }
     countAnswers(queries, replies);
+    noteIfAllAreOutside("clover", raster_.shape().box(), lengthUnit_, queries, replies);
     return std::nullopt;
   }
 

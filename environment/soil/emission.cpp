@@ -15,6 +15,7 @@
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
+#include "environment/geometry/box_note.h"
 #include "environment/geometry/grid_keys.h"
 #include "environment/soil/soil_field.h"
 
@@ -126,6 +127,7 @@ class Emission final : public turtle::EnvironmentProcess {
       }
     }
     countAnswers(queries, replies);
+    noteIfAllAreOutside("emission", field_.box(), lengthUnit_, queries, replies);
     field_.orGoBack(diffusion_.stepCount, [&] {
       giveOff(std::move(given));
       field_.spread(diffusion_);

@@ -42,6 +42,14 @@ RichardsSolver::Shape Ground::solverShape() const {
   return {{counts_[0], counts_[1]}, counts_[2], {sizes_[0], sizes_[1]}, heights_};
 }
 
+Bounds Ground::box() const {
+  std::array<double, 3> high = low_;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    high[static_cast<std::size_t>(axis_[axis])] += static_cast<double>(counts_[axis]) * sizes_[axis];
+  }
+  return {{low_[0], low_[1], low_[2]}, {high[0], high[1], high[2]}};
+}
+
 std::optional<std::size_t> Ground::cellOf(const Vec3& point) const {
   const std::array<double, 3> place{point.x, point.y, point.z};
   std::array<std::size_t, 3> cell{};

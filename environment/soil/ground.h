@@ -7,6 +7,7 @@
 
 #include "engine/turtle/field.h"
 #include "environment/base/configuration.h"
+#include "environment/geometry/box_tree.h"
 #include "environment/geometry/grid_axes.h"
 #include "environment/obstacles/obstacle_scene.h"
 #include "environment/soil/richards.h"
@@ -26,6 +27,7 @@ class Ground {
   Ground(const Shape& shape, const GridAxes& axes);
 
   [[nodiscard]] RichardsSolver::Shape solverShape() const;
+  [[nodiscard]] Bounds box() const;
   /// The cell of a point by the solver's numbering; nothing outside.
   [[nodiscard]] std::optional<std::size_t> cellOf(const core::Vec3& point) const;
   [[nodiscard]] core::Vec3 middleOf(std::size_t cell) const;

@@ -18,6 +18,7 @@
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
+#include "environment/geometry/box_note.h"
 #include "environment/geometry/grid_keys.h"
 #include "environment/geometry/world_up.h"
 #include "environment/obstacles/obstacle_scene.h"
@@ -178,6 +179,7 @@ class Soil final : public turtle::EnvironmentProcess {
     field_.orGoBack(diffusion_.stepCount, [&] {
       shareOut(queries, replies);
       countAnswers(queries, replies);
+      noteIfAllAreOutside("soil", field_.box(), lengthUnit_, queries, replies);
       field_.spread(diffusion_);
     });
     return std::nullopt;

@@ -8,6 +8,7 @@
 
 #include "engine/core/vec3.h"
 #include "engine/turtle/field.h"
+#include "environment/geometry/box_tree.h"
 
 namespace espalier::environment {
 
@@ -34,6 +35,7 @@ class SoilField {
             std::vector<std::uint8_t> isSource);
 
   [[nodiscard]] const Shape& shape() const { return shape_; }
+  [[nodiscard]] Bounds box() const { return {shape_.position, shape_.position + shape_.size}; }
   [[nodiscard]] bool isInSpace() const { return shape_.cells[2] > 1; }
   [[nodiscard]] core::Vec3 cellSize() const;
 

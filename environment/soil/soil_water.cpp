@@ -14,6 +14,7 @@
 
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
+#include "environment/geometry/box_note.h"
 #include "environment/soil/soil_body.h"
 
 namespace espalier::environment {
@@ -74,6 +75,7 @@ class SoilWater final : public turtle::EnvironmentProcess {
       answerState(queries, replies);
       takeUp(queries, replies);
       countAnswers(queries, replies);
+      noteIfAllAreOutside("soil-water", body_.ground().box(), body_.lengthUnit(), queries, replies);
       return passTime(before);
     });
   }

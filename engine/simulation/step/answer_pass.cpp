@@ -325,6 +325,11 @@ void AnswerPass::writeReplies(const turtle::ReplyBatch& replies) {
                                 std::to_string(replies.surplusCount) +
                                 " more values than the communication modules have parameters; they are dropped");
   }
+  for (const std::string& note : replies.notes) {
+    if (parts_.options.messages && said_.insert(note).second) {
+      parts_.options.messages(core::MessageKind::Warning, note);
+    }
+  }
 }
 
 void AnswerPass::fail(const turtle::EnvironmentError& error) const {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "engine/simulation/model_set.h"
@@ -65,6 +67,7 @@ class AnswerPass {
   Parts parts_;
   std::vector<turtle::QueryStretches> stretches_;  // of the last pass, by plant
   std::uint32_t rest_ = 0;                         // passes to come that do not follow the changes
+  std::set<std::string> said_;                     // notes of the environment
   // of the step under way
   std::uint64_t completedSteps_ = 0;
   turtle::QueryBatch queries_;

@@ -19,6 +19,7 @@
 #include "engine/core/work_meter.h"
 #include "engine/turtle/field.h"
 #include "environment/base/replies.h"
+#include "environment/geometry/box_note.h"
 #include "environment/geometry/grid_keys.h"
 #include "environment/geometry/world_up.h"
 #include "environment/light/light_bands.h"
@@ -154,6 +155,7 @@ class LightVoxels final : public turtle::EnvironmentProcess {
       }
     }
     countAnswers(queries, replies);
+    noteIfAllAreOutside("light-voxels", field_.box(), lengthUnit_, queries, replies);
     return std::nullopt;
   }
 

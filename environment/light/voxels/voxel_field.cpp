@@ -70,6 +70,20 @@ std::array<double, 3> VoxelField::toOwn(const Vec3& direction) const {
   return {along(0), along(1), along(2) * sign_};
 }
 
+Bounds VoxelField::box() const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto low = componentsOf(shape_.position);
+  std::array<double, 3> lows{};
+  std::array<double, 3> highs{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto axis = static_cast<std::size_t>(axis_[k]);
+    const bool isEndless = shape_.isPeriodic && k < 2;
+    lows[axis] = isEndless ? -kInfinity : low[axis];
+    highs[axis] = isEndless ? kInfinity : low[axis] + static_cast<double>(shape_.cells[axis]) * shape_.voxelSize;
+  }
+  return {{lows[0], lows[1], lows[2]}, {highs[0], highs[1], highs[2]}};
+}
+
 VoxelField::Voxel VoxelField::voxelOf(const Vec3& point) const {
   const auto p = componentsOf(point);
   const auto low = componentsOf(shape_.position);

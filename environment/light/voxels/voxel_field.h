@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/vec3.h"
+#include "environment/geometry/box_tree.h"
 #include "environment/geometry/grid_axes.h"
 
 namespace espalier::environment {
@@ -39,6 +40,8 @@ class VoxelField {
   /// A direction of the world along the two horizontal axes and up.
   [[nodiscard]] std::array<double, 3> toOwn(const core::Vec3& direction) const;
 
+  /// The box; a periodic one is infinite horizontally.
+  [[nodiscard]] Bounds box() const;
   /// The voxel that a point is in; far outside, one outside (periodic: horizontally always inside).
   [[nodiscard]] Voxel voxelOf(const core::Vec3& point) const;
   /// Index into values(); nothing outside the box.

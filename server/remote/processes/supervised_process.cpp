@@ -116,6 +116,7 @@ class SupervisedProcess final : public turtle::EnvironmentProcess {
     std::swap(replies.isSet, room_->replies.isSet);
     replies.answeredCount = room_->replies.answeredCount;
     replies.surplusCount = room_->replies.surplusCount;
+    std::swap(replies.notes, room_->replies.notes);
     return std::nullopt;
   }
 

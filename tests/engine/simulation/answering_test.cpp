@@ -226,6 +226,20 @@ TEST(Answering, WithoutIterationsTheEnvironmentIsAskedOnce) {
   EXPECT_EQ(run.simulation.statistics().iterations, 1U);
 }
 
+TEST(Answering, WhatAnEnvironmentNotesIsSaidOnce) {
+  SimulationOptions options;
+  std::vector<std::string> said;
+  options.messages = [&said](core::MessageKind, std::string_view text) { said.emplace_back(text); };
+  TestRun run(compileText(kCoupledModel), 1, options);
+  run.log->note = "first";
+  expectSuccess(run.simulation.rewind());
+  expectSuccess(run.simulation.step());
+  expectSuccess(run.simulation.step());
+  run.log->note = "second";
+  expectSuccess(run.simulation.step());
+  EXPECT_EQ(said, (std::vector<std::string>{"first", "second"}));
+}
+
 TEST(Answering, AnIterationThatDoesNotSettleWarnsAndUsesTheLastAnswers) {
   CoupledRun run({.iterations = 3});
   expectSuccess(run.simulation.answer());

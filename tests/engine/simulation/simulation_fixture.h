@@ -44,6 +44,7 @@ struct FakeEnvironmentLog {
   std::vector<turtle::QueryBatch> batches;
   turtle::EnvironmentContext context;
   std::optional<turtle::EnvironmentError> nextError;  // returned once by the next step
+  std::string note;                                   // of every step; empty: none
   double answer = 0.0;                                // added to the state for every query
 };
 
@@ -73,6 +74,9 @@ class FakeEnvironment final : public turtle::EnvironmentProcess {
       return std::exchange(log_->nextError, std::nullopt);
     }
     ++log_->stepCount;
+    if (!log_->note.empty()) {
+      replies.notes.push_back(log_->note);
+    }
     log_->batches.push_back(queries);
     for (std::size_t query = 0; query < queries.size(); ++query) {
       replies.set(queries, query, 0, 100.0 * state_ + static_cast<double>(query) + log_->answer);
