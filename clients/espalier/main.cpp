@@ -77,7 +77,11 @@ void suggestPart(const CLI::App& command, int argumentCount, char** arguments) {
   std::string given;
   for (int i = 2; i < argumentCount && given.empty(); ++i) {
     const std::string_view word = arguments[i];
-    if (!word.starts_with('-') && positionals-- == 0) {
+    if (word.starts_with('-')) {
+      // the value of an option is the next word
+      const CLI::Option* const option = command.get_option_no_throw(std::string(word));
+      i += option != nullptr && option->get_items_expected_max() > 0 ? 1 : 0;
+    } else if (positionals-- == 0) {
       given = word;
     }
   }

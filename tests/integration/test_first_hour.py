@@ -111,6 +111,11 @@ class FirstHour(unittest.TestCase):
         self.assertIn("ADDRESS is required", espalier("connect", status=2).stderr)
 
     # ---- limits and numbers
+        # the value of an option is no command
+        for options in (("--token-file", self.file("secret\n", "token")), ("--token=x",), ("--trust", "stop.pem")):
+            for arguments in (("127.0.0.1:1", *options), (*options, "127.0.0.1:1")):
+                self.assertIn("there is no command 'connect … stp'. Did you mean 'step'?",
+                              espalier("connect", *arguments, "stp", status=2).stderr)
 
     def test_a_limit_has_one_name(self) -> None:
         model = self.file(TREE)
