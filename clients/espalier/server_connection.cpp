@@ -10,7 +10,7 @@ namespace {
 std::string sentenceOf(const protocol::Error& error, const std::string& address, bool isPlain) {
   if (error.code == protocol::ErrorCode::Unauthorised) {
     return "The server at " + address + " refuses the connection. " + error.message +
-           " Give a token with --token-file or --token.";
+           " The options --token-file and --token give a token.";
   }
   const bool isLost = error.message.starts_with("The connection to the server is lost");
   return isPlain && isLost ? error.message + " If this is the port of --http, write ws://" + address +

@@ -47,7 +47,11 @@ tl::expected<Grant, std::string> Access::grant(std::string_view token, const std
     if (tokens_.empty()) {
       all = {protocol::Role::Controller};
     } else if (grant.token == nullptr) {
-      return tl::unexpected(std::string("The token is missing or wrong. Send a token of the server as params.token."));
+      return tl::unexpected(std::string(
+          token.empty()
+              ? "This server asks for a token (params.token of hello), and none came. Its operator has one."
+              : "The server does not know this token. It is mistyped, was taken away, or is of an earlier start "
+                "of the server: use the token, or the link, that the server has now."));
     } else {
       all = grant.token->roles;
     }
@@ -57,8 +61,10 @@ tl::expected<Grant, std::string> Access::grant(std::string_view token, const std
   }
   grant.roles = all.granted(roles);
   if (grant.roles.isEmpty()) {
-    return tl::unexpected("The token '" + grant.token->name + "' has the roles " + all.text() +
-                          ". Ask for one of them in params.roles.");
+    return tl::unexpected(
+        "The token '" + grant.token->name + "' has the roles " + all.text() +
+        ", and this program asks for others. Use another token; or let the program ask for one of these "
+        "roles in params.roles of hello.");
   }
   return grant;
 }

@@ -90,7 +90,9 @@ protocol::Error roleError(const Session& session, const Row& row) {
   data.beginObject().key("role").text(role).key("roles").texts(session.roles().names()).endObject();
   return {ErrorCode::Unauthorised,
           std::string(row.name) + " needs the role " + role + ", and this connection has " + session.roles().text() +
-              ". Connect with a token that has the role, and ask for it in the roles of hello.",
+              ". Connect with a token that has the role: the operator of the server makes one with `espalier token new "
+              "NAME --role " +
+              role + "`. A program that lists roles in its hello must list this one.",
           data.take()};
 }
 

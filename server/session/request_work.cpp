@@ -19,10 +19,14 @@ std::shared_ptr<SimulationRunner> findRunner(const Request& request, const std::
   if (runner == nullptr) {
     const auto damaged = core.findDamaged(simulation);
     request.session.respondError(
-        request.id, damaged ? *damaged
-                            : protocol::Error{ErrorCode::NotFound,
-                                              "There is no simulation '" + simulation + "'. simulation.list names all.",
-                                              {}});
+        request.id,
+        damaged ? *damaged
+                : protocol::Error{
+                      ErrorCode::NotFound,
+                      "There is no simulation '" + simulation +
+                          "' on this server: it was deleted, or the server was started again and had not kept it "
+                          "(--data). simulation.list names those that are there.",
+                      {}});
   }
   return runner;
 }

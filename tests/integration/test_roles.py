@@ -89,6 +89,7 @@ class Roles(unittest.TestCase):
                     self.assertEqual(answer["error"]["data"], {"role": needed, "roles": [role]})
                     self.assertIn(f"{method} needs the role {needed}, and this connection has {role}.",
                                   answer["error"]["message"])
+                    self.assertIn(f"`espalier token new NAME --role {needed}`", answer["error"]["message"])
 
     def test_a_viewer_watches_and_changes_nothing(self) -> None:
         self.new_token("alice", "controller")

@@ -258,7 +258,7 @@ class EveryTransport(unittest.TestCase):
                 told = espalier("connect", address, "--trust", certificate, "--token", "secret", "list").stdout
                 self.assertIn('"step":2', told)
                 self.assertIn("verify failed", espalier("connect", address, "--token", "secret", "list", status=1).stderr)
-                self.assertIn("The token is missing or wrong", espalier(
+                self.assertIn("The server does not know this token", espalier(
                     "connect", address, "--trust", certificate, "--token", "guess", "list", status=1).stderr)
             # a peer without TLS gets nothing
             with self.assertRaises(ConnectionLost):

@@ -51,10 +51,14 @@ TEST(Access, ATokenGrantsTheRolesThatItHas) {
   EXPECT_EQ(access.grant("s", {"controller", "viewer"}).value().roles, Roles{Role::Viewer});
   EXPECT_EQ(access.grant("s", {"viewer"}).value().token->name, "screen");
   EXPECT_EQ(access.grant("s", {"controller"}).error(),
-            "The token 'screen' has the roles viewer. Ask for one of them in params.roles.");
-  for (const char* wrong : {"", "b", "as", "A"}) {
+            "The token 'screen' has the roles viewer, and this program asks for others. Use another token; or let the "
+            "program ask for one of these roles in params.roles of hello.");
+  EXPECT_EQ(access.grant("", {}).error(),
+            "This server asks for a token (params.token of hello), and none came. Its operator has one.");
+  for (const char* wrong : {"b", "as", "A"}) {
     EXPECT_EQ(access.grant(wrong, {}).error(),
-              "The token is missing or wrong. Send a token of the server as params.token.");
+              "The server does not know this token. It is mistyped, was taken away, or is of an earlier start of the "
+              "server: use the token, or the link, that the server has now.");
   }
 }
 
