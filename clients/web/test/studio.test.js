@@ -1,7 +1,7 @@
 // The studio in Chromium, at a real server.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
@@ -527,7 +527,7 @@ test("the page watches what another program does, and lives through a new start 
   assert.ok(await pupil.isDisabled("#step"));
   await pupil.keyboard.press("ArrowRight");
   await pupil.evaluate(() => studio.act(() => studio.setProcesses([{ type: "honda" }])));
-  await pupil.waitForFunction(() => document.getElementById("message").textContent.startsWith("This link only watches."));
+  await pupil.waitForFunction(() => document.getElementById("message").textContent.startsWith("This page only watches"));
   assert.match(await pupil.evaluate(() => studio.simulation.step().then(() => "", (error) => error.message)), /role|controller/);
   await page.evaluate((id) => studio.simulation.client.simulation(id).step(), made);
   await pupil.waitForFunction(() => document.getElementById("plant").dataset.step === "4");
@@ -572,6 +572,33 @@ test("a server with a token asks for it", async () => {
 });
 
 test("the text is made wider and narrower, by mouse and by keys, and long lines go on below", async () => {
+test("a message says what a viewer's token may do, and a token of an earlier start", async () => {
+  const tokens = ["controller", "viewer"].map((role) => spawnSync(program, ["token", "new", role, "--role", role], { encoding: "utf8" }).stdout.split("\n"));
+  const file = join(folder, "tokens.toml");
+  writeFileSync(file, `[tokens]\n${tokens.map(([, line]) => line).join("\n")}\n`);
+  const closed = await serve("127.0.0.1:0", "--config", file);
+  const grown = await open(`${SMALL(closed.address)}&token=${tokens[0][0]}`);
+  const page = await open(`${closed.address}/#token=${tokens[1][0]}`, "");
+  await page.waitForFunction(() => document.getElementById("message")?.textContent.startsWith("This page only watches: choose a plant under Server."));
+  await page.click('[role="tab"]:has-text("Server")');
+  await page.click("#simulations .link");
+  await page.waitForFunction(() => Number(document.getElementById("plant").dataset.step) > 0);
+  assert.equal(await page.textContent("#message"), "");
+  assert.ok(await page.isDisabled("#step"));
+  await page.close();
+
+  const old = await open(`${closed.address}/#token=of-yesterday`, "");
+  await old.waitForSelector("#token-form");
+  assert.match(await old.textContent("#token-form"), /is of an earlier start of the server: use the token, or the link, that the server has now/);
+  // another token makes the page whole
+  await old.fill("#token", tokens[0][0]);
+  await old.click("#token-form button");
+  await shown(old);
+  await old.close();
+  await grown.close();
+  await stopped(closed.server);
+});
+
   const page = await open(SMALL());
   const width = () => page.evaluate(() => Math.round(document.querySelector(".text").getBoundingClientRect().width));
   const usual = await width();

@@ -45,8 +45,8 @@ export class Studio {
 
   simulation: Simulation | null = null;
   isOwn = false; // this page made it, so this page may replace it
-  // a link to watch: the server lets this page change nothing
-  readonly isReadOnly = new URLSearchParams(location.hash.slice(1)).has("watch");
+  private readonly isWatchLink = new URLSearchParams(location.hash.slice(1)).has("watch");
+  isReadOnly = this.isWatchLink; // the link, or the token, only watches: the server lets this page change nothing
   seed = 7;
   step = 0;
   length = 0;
@@ -176,7 +176,7 @@ export class Studio {
   private dial(token: string): Promise<Client> {
     return connect(location.origin, {
       name: "studio",
-      roles: this.isReadOnly ? ["viewer"] : ["controller", "viewer"],
+      roles: this.isWatchLink ? ["viewer"] : ["controller", "viewer"],
       ...(token ? { token } : {}),
       onConnection: (is) => this.connectionChanged(is),
       onRefused: (error) => this.refused(error, "The server does not take this token any more. Nothing is lost: the text stays in the page."),
@@ -194,13 +194,14 @@ export class Studio {
         return this.dial(token);
       });
     } catch (error) {
-      this.refused(error as Error, token ? (error as Error).message : "This server needs a token.");
+      this.refused(error as Error, token ? (error as Error).message : "This server needs a token. Its operator has one.");
       return;
     }
     this.token = token;
     this.message = null;
     this.connection = "connected";
     this.server = this.client.hello.server;
+    this.isReadOnly = this.isWatchLink || this.client.hello.roles?.includes("controller") === false;
     this.onConnected();
   }
 
@@ -266,7 +267,14 @@ export class Studio {
     await this.openDocument(await galleryDocument(this.client, name), step);
   }
 
+  private requireController(): void {
+    if (this.isReadOnly) {
+      throw new Error("This page only watches: choose a plant under Server. To grow one of your own, open the page without #watch, or with a token of the role controller.");
+    }
+  }
+
   async openDocument(document: Document, step?: number): Promise<void> {
+    this.requireController();
     this.document = document;
     this.isChanged = false;
     this.openFile = fileOf(document.main);
@@ -301,9 +309,7 @@ export class Studio {
 
   /** `isSame`: the plant is the same in its state. */
   private async follow(changes: Partial<Document>, isSame = false): Promise<void> {
-    if (this.isReadOnly) {
-      throw new Error("This link only watches. Open the page without it to grow a plant of your own.");
-    }
+    this.requireController();
     this.document = { ...this.document, ...changes, gallery: null };
     this.isSame &&= isSame;
     this.isChanged = true;
