@@ -544,7 +544,7 @@ test("the page watches what another program does, and lives through a new start 
 
   first.server.kill("SIGKILL");
   await page.waitForFunction(() => document.body.dataset.state === "lost");
-  assert.match(await page.textContent("#message"), /connection to the server is lost/);
+  assert.match(await page.textContent("#message"), /server has stopped or cannot be reached/);
   problems.length = 0; // the browser tells of each attempt
   const second = await serve(host, "--data", data);
   await page.waitForFunction(() => document.body.dataset.state === "connected" && studio.simulation);
@@ -599,6 +599,17 @@ test("a message says what a viewer's token may do, and a token of an earlier sta
   await stopped(closed.server);
 });
 
+test("a message says that the server has stopped", async () => {
+  const other = await serve();
+  const page = await open(SMALL(other.address));
+  await stopped(other.server);
+  await page.waitForFunction(() => document.body.dataset.state === "lost");
+  assert.equal(await page.textContent("#message"), "The server has stopped or cannot be reached. Trying again …");
+  problems.length = 0; // the browser tells of each attempt
+  await page.close();
+});
+
+test("the text is made wider and narrower, by mouse and by keys, and long lines go on below", async () => {
   const page = await open(SMALL());
   const width = () => page.evaluate(() => Math.round(document.querySelector(".text").getBoundingClientRect().width));
   const usual = await width();

@@ -52,7 +52,7 @@ export function App({ studio, canvas }: { studio: Studio; canvas: HTMLCanvasElem
         <h1><Leaf /> Espalier</h1>
         <IconButton icon="gallery" label="Gallery (G)" text="Gallery" id="open-gallery" onClick={() => setOpen("gallery")} />
         <div class="title">{studio.isChanged && <span title="changed">●</span>} {studio.document.title}</div>
-        <p id="message" role="status" class={studio.message?.isError ? "error" : ""}>{studio.message?.text ?? (studio.connection === "lost" ? "The connection to the server is lost. Trying again …" : "")}</p>
+        <p id="message" role="status" class={studio.message?.isError && studio.connection !== "lost" ? "error" : ""}>{studio.connection === "lost" ? "The server has stopped or cannot be reached. Trying again …" : studio.message?.text}</p>
         <IconButton icon="share" label="Share a link to this model (L)" text="Share" onClick={() => setOpen("share")} />
         <IconButton icon="save" label="Save (S)" text="Save" id="open-export" onClick={() => setOpen("export")} />
         <IconButton icon={isDark ? "sun" : "moon"} label="Dark, light (D)" onClick={() => setTheme(studio, !isDark)} />
