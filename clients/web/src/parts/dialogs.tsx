@@ -67,6 +67,7 @@ function Picture({ studio, path }: { studio: Studio; path: string }) {
 
 export function GalleryDialog({ studio, onClose }: { studio: Studio; onClose: () => void }) {
   const [sought, setSought] = useState("");
+  const hits = useRef<HTMLDivElement>(null);
   useEffect(() => void studio.act(() => listSaved(studio)), []);
   const saved = (studio.saved ?? []).filter((name) => name.toLowerCase().includes(sought.toLowerCase()));
   const found = studio.gallery.filter(({ name }) => name.toLowerCase().includes(sought.toLowerCase().replace(/ /g, "-")));
@@ -81,14 +82,15 @@ export function GalleryDialog({ studio, onClose }: { studio: Studio; onClose: ()
   return (
     <Dialog title="Gallery" class="gallery" onClose={onClose}>
       <div class="row">
-        <input type="search" placeholder="Find a model" aria-label="Find a model" value={sought} onInput={(event) => setSought(event.currentTarget.value)} autofocus />
+        <input type="search" placeholder="Find a model" aria-label="Find a model" value={sought} onInput={(event) => setSought(event.currentTarget.value)} autofocus
+          onKeyDown={(event) => event.key === "Enter" && sought && hits.current!.querySelector("button")?.click()} />
         <button type="button" onClick={() => open(() => studio.openDocument(newDocument()))}>New model</button>
         <label class="button">
           Open files …
           <input type="file" multiple class="hidden" onChange={(event) => open(() => openFiles(studio, event.currentTarget.files!))} />
         </label>
       </div>
-      <div class="scroll">
+      <div class="scroll" ref={hits}>
         {saved.length > 0 && (
           <section>
             <h3>Saved on this server</h3>
