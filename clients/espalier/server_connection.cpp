@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
+#include "protocol/json_text.h"
+
 namespace espalier::command {
 namespace {
 
@@ -44,6 +46,12 @@ Result<ServerConnection> connectTo(const ServerAddress& address, const client::C
   auto connected = client::Client::connect(place, options);
   if (!connected) {
     return problem(sentenceOf(connected.error(), address.address, connection.bridge == nullptr));
+  }
+  // a server grants roles, an environment none
+  const std::string roles = protocol::memberOf((*connected)->helloResult(), "roles").value_or("[]");
+  if (roles == "[]") {
+    return problem("at " + address.address + " is an environment, not a server. `espalier serve` starts a server; " +
+                   "--environment tcp://" + address.address + " lets a model ask this environment.");
   }
   connection.client = std::move(*connected);
   return connection;

@@ -540,6 +540,7 @@ Expected<HelloResult> decodeHelloResult(const Payload& payload) {
     hello.protocol = result["protocol"].integer(0, kMaximumExactInteger);
     hello.session = result["session"].textOrEmpty();
     hello.server = result["server"].textOrEmpty();
+    hello.roles = readTexts(result["roles"]);
     hello.capabilities = readTexts(result["capabilities"]);
     readLimits(result["limits"], hello.limits);
   });

@@ -43,9 +43,8 @@ std::unique_ptr<ChannelLink> ChannelLink::unixSocket(std::string path, const Cha
     }
     return std::make_unique<Transport>(std::move(*dialled), Descriptor(), nullptr, limits);
   };
-  return std::unique_ptr<ChannelLink>(new ChannelLink("environment unix:" + path,
-                                                      "Start it again at " + path + ", then try again.",
-                                                      std::move(dialer), options));
+  return std::unique_ptr<ChannelLink>(new ChannelLink(
+      "environment unix:" + path, "Start it again at " + path + ", then try again.", std::move(dialer), options));
 }
 
 std::unique_ptr<ChannelLink> ChannelLink::stdio(std::string command, const ChannelOptions& options) {
@@ -72,10 +71,8 @@ std::unique_ptr<ChannelLink> ChannelLink::started(const std::string& name, Start
     return std::make_unique<Transport>(std::move(child.input), std::move(child.output),
                                        std::make_unique<ChildProcess>(std::move(child.process)), limits);
   };
-  return std::unique_ptr<ChannelLink>(
-      new ChannelLink("environment 'stdio:" + name + "'",
-                      "Run the command by hand to see what is wrong.",
-                      std::move(dialer), options));
+  return std::unique_ptr<ChannelLink>(new ChannelLink(
+      "environment 'stdio:" + name + "'", "Run the command by hand to see what is wrong.", std::move(dialer), options));
 }
 
 ChannelLink::ChannelLink(std::string label, std::string remedy, Dialer dialer, const ChannelOptions& options)
@@ -113,21 +110,32 @@ std::optional<LinkFailure> ChannelLink::introduce() {
                                     .limits = ownLimits()};
   terms_ = {};
   auto outcome = call("hello", protocol::encode(hello), options_.introductionTimeout);
+  std::optional<LinkFailure> failure;
+  bool isServer = false;
   if (outcome) {
     if (const auto result = protocol::decodeHelloResult(*outcome)) {
       agree(result->capabilities, result->limits);
+      // an environment grants no roles
+      isServer = !result->roles.empty();
     }
-    return std::nullopt;
+  } else {
+    failure = std::move(outcome.error());
+    const bool isRefused = failure->kind == LinkFailure::Kind::Refused;
+    // nor does it ask for a token
+    isServer = isRefused && failure->error.code == protocol::ErrorCode::Unauthorised;
+    if ((isRefused && failure->error.code != protocol::ErrorCode::Version) ||
+        failure->kind == LinkFailure::Kind::Timeout) {
+      failure.reset();
+    }
   }
-  LinkFailure& failure = outcome.error();
-  const bool isRefused =
-      failure.kind == LinkFailure::Kind::Refused && failure.error.code != protocol::ErrorCode::Version;
-  if (isRefused || failure.kind == LinkFailure::Kind::Timeout) {
-    return std::nullopt;
+  if (isServer) {
+    failure = LinkFailure{LinkFailure::Kind::Server, "is a server of simulations, not an environment", {}};
   }
-  const std::lock_guard lock(mutex_);
-  transport_.reset();
-  return std::move(failure);
+  if (failure) {
+    const std::lock_guard lock(mutex_);
+    transport_.reset();
+  }
+  return failure;
 }
 
 std::vector<std::string> ChannelLink::ownCapabilities() const {

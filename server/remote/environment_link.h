@@ -20,6 +20,7 @@ struct LinkFailure {
     Timeout,
     Refused,      // it answered with an error: `error`
     Garbage,      // it sent something that is not a message of the protocol
+    Server,       // it is a server of simulations
     Interrupted,  // the caller gave up
   };
   Kind kind = Kind::Away;

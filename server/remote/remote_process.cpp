@@ -47,11 +47,14 @@ turtle::EnvironmentError RemoteProcess::errorOf(const LinkFailure& failure, cons
   turtle::EnvironmentError error;
   // a peer that says that the request itself is wrong will say so again
   const bool isRefused = failure.kind == LinkFailure::Kind::Refused;
-  error.isRetryable = !isRefused || (failure.error.code != protocol::ErrorCode::InvalidParams &&
-                                     failure.error.code != protocol::ErrorCode::StaleStep &&
-                                     protocol::memberOf(failure.error.data, "retryable") != "false");
+  const bool isServer = failure.kind == LinkFailure::Kind::Server;
+  error.isRetryable = !isServer && (!isRefused || (failure.error.code != protocol::ErrorCode::InvalidParams &&
+                                                   failure.error.code != protocol::ErrorCode::StaleStep &&
+                                                   protocol::memberOf(failure.error.data, "retryable") != "false"));
   error.message = link_->label() + " " + failure.message + " (" + during + "). ";
-  error.message += isRefused ? "Mend what the environment complains about, then try again." : link_->remedy();
+  error.message += isServer    ? "Give the address that the environment prints when it listens."
+                   : isRefused ? "Mend what the environment complains about, then try again."
+                               : link_->remedy();
   return error;
 }
 
@@ -195,8 +198,8 @@ std::optional<turtle::EnvironmentError> RemoteProcess::step(const turtle::QueryB
   if (auto error = makeReady(queries.step)) {
     return error;
   }
-  const std::string during =
-      "step " + std::to_string(queries.step) + ", " + std::to_string(queries.size()) + (queries.size() == 1 ? " query" : " queries");
+  const std::string during = "step " + std::to_string(queries.step) + ", " + std::to_string(queries.size()) +
+                             (queries.size() == 1 ? " query" : " queries");
   const std::string simulation = context_ ? context_->simulation : std::string("simulation");
   const std::vector<std::string> symbols = context_ ? context_->symbols : std::vector<std::string>();
   auto params = toStepParams(simulation, queries, description_.needs, symbols);

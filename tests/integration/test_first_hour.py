@@ -7,9 +7,14 @@ import time
 import unittest
 from pathlib import Path
 
-from support import GALLERY, SECONDS, espalier, program
+from support import EXAMPLES, GALLERY, SECONDS, Process, Server, espalier, program, python
 
 TREE = "Lsystem: 1\nderivation length: 2\nAxiom: F\nF --> F[+F]F\nendlsystem\n"
+
+
+def sentence(done: "subprocess.CompletedProcess[str]") -> str:
+    """What a command has said, without the ends of long lines."""
+    return " ".join((done.stdout + done.stderr).split())
 
 
 class FirstHour(unittest.TestCase):
@@ -106,16 +111,36 @@ class FirstHour(unittest.TestCase):
     def test_a_mistyped_part_of_a_command_gets_the_nearest(self) -> None:
         done = espalier("connect", "127.0.0.1:1", "crate", "model.l", status=2)
         self.assertIn("there is no command 'connect … crate'. Did you mean 'create'?", done.stderr)
-        self.assertIn("give a command behind 'token'. Available: new", espalier("token", status=2).stderr)
-        self.assertIn("Did you mean --listen HOST:PORT?", espalier("serve", "--port", "0", status=2).stderr)
-        self.assertIn("ADDRESS is required", espalier("connect", status=2).stderr)
-
-    # ---- limits and numbers
         # the value of an option is no command
         for options in (("--token-file", self.file("secret\n", "token")), ("--token=x",), ("--trust", "stop.pem")):
             for arguments in (("127.0.0.1:1", *options), (*options, "127.0.0.1:1")):
                 self.assertIn("there is no command 'connect … stp'. Did you mean 'step'?",
                               espalier("connect", *arguments, "stp", status=2).stderr)
+        self.assertIn("give a command behind 'token'. Available: new", espalier("token", status=2).stderr)
+        self.assertIn("Did you mean --listen HOST:PORT?", espalier("serve", "--port", "0", status=2).stderr)
+        self.assertIn("ADDRESS is required", espalier("connect", status=2).stderr)
+
+    # ---- servers and environments
+
+    def test_a_server_is_no_environment_and_an_environment_is_no_server(self) -> None:
+        asking = self.file("Lsystem: 1\nAxiom: F?E(0)\nF --> FF\nendlsystem\n")
+        for arguments in ((), ("--token", "secret")):
+            server = Server(*arguments)
+            self.addCleanup(server.stop)
+            for command in (("derive", asking, "--environment"), ("environment", "check")):
+                done = espalier(*command, f"tcp://{server.address}", status=1)
+                self.assertIn(f"environment tcp://{server.address} is a server of simulations, not an environment (while "
+                              "connecting). Give the address that the environment prints when it listens.", sentence(done))
+        for listening in (python(EXAMPLES / "ceiling.py", "--listen", "127.0.0.1:0"),
+                          [program(), "environment", "height", "--listen", "127.0.0.1:0"]):
+            environment = Process(listening)
+            self.addCleanup(environment.stop)
+            for command in ((), ("list",), ("create", asking)):
+                done = espalier("connect" if command else "status", environment.address, *command, status=1)
+                self.assertIn(f"at {environment.address} is an environment, not a server. `espalier serve` starts a server; "
+                              f"--environment tcp://{environment.address} lets a model ask this environment.", sentence(done))
+
+    # ---- limits and numbers
 
     def test_a_limit_has_one_name(self) -> None:
         model = self.file(TREE)

@@ -106,6 +106,25 @@ TEST(ChannelLink, BlocksNeedBothSides) {
   }
 }
 
+TEST(ChannelLink, AServerIsNoEnvironment) {
+  const PeerSocket socket;
+  const std::string refusal = R"("error":{"code":1003,"message":"This server asks for a token."})";
+  for (const std::string& greeting : {std::string(R"("result":{"protocol":1,"roles":["controller"]})"), refusal}) {
+    const auto link = linkTo(socket);
+    std::thread peer([&socket, &greeting] {
+      const auto channel = socket.accept();
+      const std::string id = nextQuestion(*channel);
+      (void)channel->write(R"({"jsonrpc":"2.0","id":")" + id + "\"," + greeting + "}\n", soon());
+    });
+    const auto failure = link->connect();
+    peer.join();
+    ASSERT_TRUE(failure.has_value()) << greeting;
+    EXPECT_EQ(failure->kind, LinkFailure::Kind::Server);
+    EXPECT_EQ(failure->message, "is a server of simulations, not an environment");
+    EXPECT_EQ(link->generation(), 0U);
+  }
+}
+
 TEST(ChannelLink, AnAnswerThatComesTooLateIsNotTakenForTheNextOne) {
   const PeerSocket socket;
   const auto link = linkTo(socket);
