@@ -350,9 +350,19 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
   if (suffix == ".e") {
     return loadFieldFile(name, compatibility, isQuiet, files, making);
   }
+  if (const std::string problem = problemOfScriptName(name); !problem.empty()) {
+    printError(problem);
+    return nullptr;
+  }
   // a model folder may give its environment file any name; no built-in process has a name like a path
   if (name.find_first_of("./") != std::string::npos && files.read(name)) {
     return loadFieldFile(name, compatibility, isQuiet, files, making);
+  }
+  if (startsWith(name, "offered:")) {
+    printError(
+        "'" + name +
+        "' is offered to a server, which `espalier connect` asks: write tcp://HOST:PORT, unix:PATH or stdio:COMMAND");
+    return nullptr;
   }
   if (name.find(':') != std::string::npos) {
     printError("'" + name + "' is no address of an environment: write tcp://HOST:PORT, unix:PATH or stdio:COMMAND");
@@ -366,6 +376,18 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
 bool isPluginFile(const std::string& name) {
   const std::string file = std::filesystem::path(name).filename().string();
   return file.ends_with(".so") || file.find(".so.") != std::string::npos;
+}
+
+std::string problemOfScriptName(const std::string& name) {
+  std::error_code error;
+  const bool isCommand = name.find(' ') != std::string::npos && !std::filesystem::exists(name, error);
+  const bool isPython = name.ends_with(".py");
+  if (!isCommand && !isPython && !name.ends_with(".R")) {
+    return {};
+  }
+  const std::string starter = isCommand ? "" : isPython ? "python3 " : "Rscript ";
+  return "'" + name + "' is a program, not the name of an environment: write --environment 'stdio:" + starter + name +
+         "', which starts it";
 }
 
 server::FailureSink failureNotes(bool isQuiet) {

@@ -42,6 +42,10 @@ struct LoadedEnvironment {
 /// Whether a name is the file of a plug-in: `libceiling.so`, `./libceiling.so.1`.
 [[nodiscard]] bool isPluginFile(const std::string& name);
 
+/// A sentence when a name is a script, or a command that starts one, without `stdio:` before it: `ceiling.py`,
+/// `python3 ceiling.py`. Else an empty text.
+[[nodiscard]] std::string problemOfScriptName(const std::string& name);
+
 /// Prints such a failure unless `isQuiet`.
 [[nodiscard]] server::FailureSink failureNotes(bool isQuiet);
 

@@ -15,6 +15,12 @@ tl::expected<std::unique_ptr<turtle::EnvironmentProcess>, std::string> connectRe
   channel.offersBlocks = !options.isTextOnly;
   std::shared_ptr<EnvironmentLink> link;
   if (address.starts_with(kTcp)) {
+    std::string host;
+    std::uint16_t port = 0;
+    if (!splitAddress(address.substr(kTcp.size()), host, port) || port == 0) {
+      return tl::unexpected("'" + address +
+                            "' is not an address: write tcp://HOST:PORT, for example tcp://127.0.0.1:4000.");
+    }
     link = ChannelLink::tcp(address.substr(kTcp.size()), channel);
   } else if (address.starts_with(kUnix)) {
     link = ChannelLink::unixSocket(address.substr(kUnix.size()), channel);

@@ -263,6 +263,34 @@ TEST_F(Cli, MissingFilesSayWhatToDo) {
 }
 
 TEST_F(Cli, UnknownEnvironmentNamesTheNearest) {
+TEST_F(Cli, AProgramInPlaceOfAnEnvironmentGetsTheSpellingThatStartsIt) {
+  folder_.write("up.l", kHeight);
+  folder_.write("ceiling.py", "print('never started')\n");
+  const auto error = [&](const std::string& environment) {
+    const ProgramRun result = run("derive up.l --environment '" + environment + "'");
+    EXPECT_EQ(result.status, 1);
+    EXPECT_EQ(result.output, "");
+    return result.errors;
+  };
+  const auto expected = [](const std::string& given, const std::string& command) {
+    return "error: '" + given +
+           "' is a program, not the name of an environment: write --environment 'stdio:" + command +
+           "', which starts it\n";
+  };
+  EXPECT_EQ(error("ceiling.py"), expected("ceiling.py", "python3 ceiling.py"));
+  EXPECT_EQ(error("none/ceiling.R"), expected("none/ceiling.R", "Rscript none/ceiling.R"));
+  EXPECT_EQ(error("python3 ceiling.py --height 5"),
+            expected("python3 ceiling.py --height 5", "python3 ceiling.py --height 5"));
+  EXPECT_EQ(error("tcp://127.0.0.1"),
+            "error: 'tcp://127.0.0.1' is not an address: write tcp://HOST:PORT, for example tcp://127.0.0.1:4000.\n");
+  EXPECT_EQ(error("offered:ceiling"),
+            "error: 'offered:ceiling' is offered to a server, which `espalier connect` asks: write tcp://HOST:PORT, "
+            "unix:PATH or stdio:COMMAND\n");
+  // a published environment file may have any name
+  folder_.write("my sky", "executable: height -e up.e\nturtle position: P: %g %g %g\n");
+  EXPECT_EQ(run("derive up.l --environment './my sky'").output, "FF?E(2)\n");
+}
+
   folder_.write("up.l", kHeight);
   const ProgramRun result = run("derive up.l --environment hight");
   EXPECT_EQ(result.status, 1);

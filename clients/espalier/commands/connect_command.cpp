@@ -200,6 +200,9 @@ Result<std::string> environmentArray(const std::string& text) {
     return configurationArray(text);
   }
   if (text.find_first_of("[{") == std::string::npos) {
+    if (std::string sentence = problemOfScriptName(text); !sentence.empty()) {
+      return problem(std::move(sentence));
+    }
     return entryOf(text);
   }
   return arrayOf(text);
@@ -459,7 +462,10 @@ void addConnect(CLI::App& program, int& status) {
 
   action = addAction(*command, options, "get", "Print one part of the state of a simulation", get);
   addSimulation(action, options);
-  action->add_option("WHAT", options->what, "A value of `what` in simulation.get, as string, statistics, state-hash, turtle, model, information, environment or productions")
+  action
+      ->add_option("WHAT", options->what,
+                   "A value of `what` in simulation.get, as string, statistics, state-hash, turtle, model, "
+                   "information, environment or productions")
       ->capture_default_str();
   action->add_option("--plant", options->plant, "Number of the plant, from 0")->capture_default_str();
 

@@ -349,8 +349,10 @@ TEST(RemoteProcess, ConnectingSaysWhatIsWrong) {
   EXPECT_EQ(unknown.error(),
             "'udp://x' does not name an environment in another process. Write tcp://HOST:PORT, unix:PATH or "
             "stdio:COMMAND.");
-  const auto bad = connectRemoteEnvironment("tcp://nowhere", {});
-  EXPECT_NE(bad.error().find("'nowhere' is not an address; write HOST:PORT"), std::string::npos);
+  for (const std::string bad : {"tcp://nowhere", "tcp://127.0.0.1:", "tcp://127.0.0.1:0"}) {
+    EXPECT_EQ(connectRemoteEnvironment(bad, {}).error(),
+              "'" + bad + "' is not an address: write tcp://HOST:PORT, for example tcp://127.0.0.1:4000.");
+  }
   const auto dead = connectRemoteEnvironment("stdio:exit 3", {});
   EXPECT_NE(dead.error().find("ended with status 3"), std::string::npos) << dead.error();
 }
