@@ -245,6 +245,7 @@ TEST_F(Cli, MissingFilesSayWhatToDo) {
   EXPECT_EQ(error("derive nosuch.l"),
             "error: there is no file 'nosuch.l': give the name of an L-system file (.l) or of its folder\n");
   EXPECT_EQ(error("derive lilax"), "error: there is no file 'lilax'. Did you mean the model 'lilac' of the gallery?\n");
+  EXPECT_EQ(error("format lilac"), "error: there is no file 'lilac'. A model of the gallery has this name\n");
   EXPECT_EQ(error("derive many"),
             "error: the folder 'many' holds more than one L-system file (a.l, b.l): give the name of one\n");
   EXPECT_EQ(error("derive none"),
@@ -262,7 +263,6 @@ TEST_F(Cli, MissingFilesSayWhatToDo) {
             "error: there is no snapshot 'nosuch.snapshot' (--resume): check the name and the working folder\n");
 }
 
-TEST_F(Cli, UnknownEnvironmentNamesTheNearest) {
 TEST_F(Cli, AProgramInPlaceOfAnEnvironmentGetsTheSpellingThatStartsIt) {
   folder_.write("up.l", kHeight);
   folder_.write("ceiling.py", "print('never started')\n");
@@ -291,6 +291,7 @@ TEST_F(Cli, AProgramInPlaceOfAnEnvironmentGetsTheSpellingThatStartsIt) {
   EXPECT_EQ(run("derive up.l --environment './my sky'").output, "FF?E(2)\n");
 }
 
+TEST_F(Cli, UnknownEnvironmentNamesTheNearest) {
   folder_.write("up.l", kHeight);
   const ProgramRun result = run("derive up.l --environment hight");
   EXPECT_EQ(result.status, 1);

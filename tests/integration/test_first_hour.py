@@ -7,7 +7,7 @@ import time
 import unittest
 from pathlib import Path
 
-from support import EXAMPLES, GALLERY, SECONDS, Process, Server, espalier, program, python
+from support import EXAMPLES, GALLERY, SECONDS, Process, Server, espalier, model, program, python
 
 TREE = "Lsystem: 1\nderivation length: 2\nAxiom: F\nF --> F[+F]F\nendlsystem\n"
 
@@ -139,6 +139,17 @@ class FirstHour(unittest.TestCase):
                 done = espalier("connect" if command else "status", environment.address, *command, status=1)
                 self.assertIn(f"at {environment.address} is an environment, not a server. `espalier serve` starts a server; "
                               f"--environment tcp://{environment.address} lets a model ask this environment.", sentence(done))
+
+    def test_a_model_of_the_gallery_is_created_with_the_option_that_the_message_names(self) -> None:
+        server = Server()
+        self.addCleanup(server.stop)
+        done = espalier("connect", server.address, "create", "branch-tiers", status=1)
+        self.assertIn("there is no file 'branch-tiers'. A model of the gallery has this name. --gallery NAME takes a "
+                      "model of the server's gallery", sentence(done))
+        espalier("connect", server.address, "create", "--gallery", "branch-tiers")
+        self.assertNotIn("--gallery", espalier("connect", server.address, "create", "tiers.l", status=1).stderr)
+        done = espalier("connect", server.address, "create", model("branch-tiers"), "--environment", "sky.py", status=2)
+        self.assertIn("write --environment 'stdio:python3 sky.py', which starts it", done.stderr)
 
     # ---- limits and numbers
 

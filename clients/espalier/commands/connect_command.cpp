@@ -244,7 +244,10 @@ int create(Client& client, const ConnectOptions& options) {
   } else {
     const server::FoundModel found = server::findModelFiles(options.model);
     if (!found) {
-      printError(found.error());
+      // a name without folder and suffix
+      const bool mayBeOfGallery = options.model.find_first_of("/.") == std::string::npos;
+      printError(found.error() + (found.error().ends_with('?') || !mayBeOfGallery ? "" : ".") +
+                 (mayBeOfGallery ? " --gallery NAME takes a model of the server's gallery" : ""));
       return kFailure;
     }
     printDiagnostics(found->remarks, false);

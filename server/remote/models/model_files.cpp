@@ -34,6 +34,9 @@ std::string noSuchFile(const std::string& path) {
   if (path.find_first_of("/.") == std::string::npos) {
     const std::vector<std::string> names = galleryNames(galleryOfProgram());
     const std::string_view near = core::nearestName(path, {names.begin(), names.end()});
+    if (near == path) {
+      return sentence + ". A model of the gallery has this name";
+    }
     if (!near.empty()) {
       return sentence + ". Did you mean the model '" + std::string(near) + "' of the gallery?";
     }
