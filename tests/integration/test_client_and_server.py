@@ -143,6 +143,18 @@ class ClientAndServer(unittest.TestCase):
             espalier("run", "--resume", str(snapshot), "-o", str(picture), "--quiet")
             self.assertIn("<svg", picture.read_text(encoding="utf-8"))
 
+    def test_a_snapshot_is_not_written_under_the_name_of_a_drawing(self) -> None:
+        simulation = self.client.create(gallery="classic-weed")
+        with tempfile.TemporaryDirectory() as folder:
+            for name, way in (("weed.png", "espalier run --resume weed.snapshot -o weed.png"), ("weed.OBJ", "-o weed.OBJ"),
+                              ("weed.glb", "Path('weed.glb').write_bytes(plant.geometry())"),
+                              ("weed.html", "view().save('weed.html')")):
+                with self.assertRaises(ValueError) as caught:
+                    simulation.save_to(Path(folder) / name)
+                self.assertIn(f"save_to() writes a snapshot, and '{name}' is the name of another kind of file.", str(caught.exception))
+                self.assertIn(way, str(caught.exception))
+            self.assertEqual(list(Path(folder).iterdir()), [])
+
     def test_the_client_example_of_the_package_works_as_written(self) -> None:
         page = (PACKAGE / "README.md").read_text(encoding="utf-8")
         example = page.split("## A client")[1].split("```python\n")[1].split("```")[0]

@@ -26,7 +26,7 @@ from .hosting import CLIENT_ROLES, hello_parameters
 from .plotting import plotted
 from .requests import Inbox, NewModule, Request, Result, result_of
 from .shapes import CompiledModel, Frame, StepResult, TurtleRecord, Vector, step_of
-from .viewing import View, geometry_of
+from .viewing import View, geometry_of, refuse_drawing
 
 
 class Client:
@@ -411,7 +411,9 @@ class Simulation:
         return self._do(requests.save(self.identifier))
 
     def save_to(self, path: Union[str, Path]) -> None:
-        """Writes a snapshot file."""
+        """Writes a snapshot file, `NAME.snapshot`. The name of a picture, a mesh or a page is a ValueError that says what
+        writes one."""
+        refuse_drawing(Path(path))
         Path(path).write_bytes(self.save())
 
     def checkpoint(self, name: str) -> None:

@@ -25,6 +25,9 @@ SCRIPTS = (Path(__file__).parent / "viewer" / "espalier.js", Path(__file__).pare
 # of deflated frames, so that a page stays below 3 MB (frame_packing.py makes a third of them); and the levels of detail that are tried
 MOST_BYTES = 5_000_000
 DETAILS = ("1", "0.6", "0.4")
+# suffixes of files that are no snapshot: those that the program writes, and other pictures
+DRAWINGS = frozenset(".png .svg .eps .ps .glb .obj .ply .stl .usda .vtp .vtu .mtg .rsml .csv .string .mp4 .webm .gif "
+                     ".html .htm .jpg .jpeg .pdf .gltf".split())
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{title}</title>
 <style>html,body,#plant{{margin:0;width:100%;height:100%;overflow:hidden;position:relative}}</style></head>
@@ -90,6 +93,17 @@ class View:
     def _repr_html_(self) -> str:
         page = html.escape(self.html(), quote=True)
         return f'<iframe srcdoc="{page}" style="width:100%;height:{self.height}px;border:0"></iframe>'
+
+
+def refuse_drawing(path: Path) -> None:
+    """A ValueError when a snapshot would be written under the name of a drawing."""
+    if path.suffix.lower() not in DRAWINGS:
+        return
+    ways = {".html": f"A page is written by view().save({path.name!r}).",
+            ".glb": f"The drawing as glTF is geometry(): Path({path.name!r}).write_bytes(plant.geometry())."}
+    way = ways.get(path.suffix.lower(), f"view() draws the plant. For a file: save_to('{path.stem}.snapshot'), then in a shell "
+                                        f"espalier run --resume {path.stem}.snapshot -o {path.name}")
+    raise ValueError(f"save_to() writes a snapshot, and {path.name!r} is the name of another kind of file. {way}")
 
 
 def geometry_of(snapshots: Sequence[bytes]) -> List[bytes]:
