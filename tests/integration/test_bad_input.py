@@ -114,6 +114,11 @@ class BadInput(unittest.TestCase):
         for error in self.row_failure([["dark"], [1]]):
             self.assertIn("query 0 was answered with 'dark' (str) as value 1; expected a number or None.", error)
 
+    def test_a_text_of_digits_is_no_number_either(self) -> None:
+        for text in ("0", b"0"):
+            for error in self.row_failure([[text], [1]]):
+                self.assertIn(f"query 0 was answered with {text!r} ({type(text).__name__}) as value 1; expected a number or None.", error)
+
     def test_not_a_number(self) -> None:
         for error in self.row_failure([[1], [float("nan")]]):
             self.assertIn("query 1 was answered with nan as value 1. Only finite numbers can be sent.", error)

@@ -254,7 +254,7 @@ class Host:
             for index, value in enumerate(listed):
                 if value is not None:
                     try:
-                        value = float(value)
+                        value = _number(value)
                     except (TypeError, ValueError):
                         raise self._mistake(f"query {query.id} was answered with {_described(value)} as value "
                                             f"{index + 1}; expected a number or None.", step) from None
@@ -315,6 +315,13 @@ def _described(value: Any) -> str:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return f"the number {shown}"
     return f"{shown} ({type(value).__name__})"
+
+
+def _number(value: Any) -> float:
+    # float() would read a text
+    if isinstance(value, (str, bytes)):
+        raise TypeError
+    return float(value)
 
 
 def _is_empty(answer: Any) -> bool:
