@@ -319,11 +319,13 @@ void AnswerPass::writeReplies(const turtle::ReplyBatch& replies) {
     }
     parts_.statistics.answers += isAnswer ? 1U : 0U;
   }
-  if (replies.surplusCount > 0 && parts_.options.messages) {
+  if (replies.surplusCount > 0 && !hasWarnedOfSurplus_ && parts_.options.messages) {
+    hasWarnedOfSurplus_ = true;
     parts_.options.messages(core::MessageKind::Warning,
                             "environment '" + parts_.environment.description().name + "' gave " +
                                 std::to_string(replies.surplusCount) +
-                                " more values than the communication modules have parameters; they are dropped");
+                                " more values than the communication modules have parameters; they are dropped. "
+                                "(This is said once.)");
   }
   for (const std::string& note : replies.notes) {
     if (parts_.options.messages && said_.insert(note).second) {

@@ -68,6 +68,7 @@ class AnswerPass {
   std::vector<turtle::QueryStretches> stretches_;  // of the last pass, by plant
   std::uint32_t rest_ = 0;                         // passes to come that do not follow the changes
   std::set<std::string> said_;                     // notes of the environment
+  bool hasWarnedOfSurplus_ = false;                // that values were dropped
   // of the step under way
   std::uint64_t completedSteps_ = 0;
   turtle::QueryBatch queries_;

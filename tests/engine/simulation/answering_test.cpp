@@ -202,6 +202,23 @@ struct CoupledRun {
   Simulation simulation;
 };
 
+TEST(Answering, ValuesBeyondTheParametersOfAModuleAreDroppedAndThatIsSaidOnce) {
+  std::vector<std::string> messages;
+  SimulationOptions options;
+  options.messages = [&messages](core::MessageKind, std::string_view text) { messages.emplace_back(text); };
+  // the observer sets a first parameter, and ?E has none
+  Simulation simulation(compileText("Lsystem: 1\nAxiom: A\nA --> ?E?EA\nendlsystem\n"), TestRun::placements(1),
+                        std::make_unique<Observer>(std::make_shared<Observer::Log>(), false), std::move(options));
+  expectSuccess(simulation.rewind());
+  for (int step = 0; step < 4; ++step) {
+    expectSuccess(simulation.step());
+  }
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_EQ(messages[0],
+            "environment 'observer' gave 2 more values than the communication modules have parameters; they are "
+            "dropped. (This is said once.)");
+}
+
 TEST(Answering, AnIteratedStepSettlesAtTheFixedPointOfBothSides) {
   CoupledRun run({.iterations = 100, .tolerance = 1e-9});
   expectSuccess(run.simulation.answer());
