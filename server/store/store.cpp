@@ -484,16 +484,17 @@ std::vector<Store::Checkpoint> Store::checkpoints(const std::string& simulation)
 }
 
 Store::State Store::readCheckpoint(const std::string& simulation, const std::string& name) const {
+  if (implementation_ == nullptr) {
+    return {{}, "this server keeps no checkpoints. Start it with --data DIR, or restore a snapshot"};
+  }
   std::int64_t state = 0;
-  if (implementation_ != nullptr) {
-    const auto failure = implementation_->look([&] {
-      Database::Statement find(implementation_->database_,
-                               "SELECT state FROM checkpoints WHERE simulation = ? AND name = ?");
-      state = find.bind(1, simulation).bind(2, name).next() ? find.integer(0) : 0;
-    });
-    if (failure) {
-      return {{}, *failure};
-    }
+  const auto failure = implementation_->look([&] {
+    Database::Statement find(implementation_->database_,
+                             "SELECT state FROM checkpoints WHERE simulation = ? AND name = ?");
+    state = find.bind(1, simulation).bind(2, name).next() ? find.integer(0) : 0;
+  });
+  if (failure) {
+    return {{}, *failure};
   }
   return state == 0
              ? State{{},

@@ -109,6 +109,8 @@ TEST(Store, WithoutAFolderNothingIsKeptAndNothingFails) {
   EXPECT_EQ(store.save({"sim-1", "record", 3}, "state"), std::nullopt);
   EXPECT_TRUE(entriesOf(store).empty());
   EXPECT_EQ(store.bytes(), 0U);
+  EXPECT_EQ(store.readCheckpoint("sim-1", "spring").problem,
+            "this server keeps no checkpoints. Start it with --data DIR, or restore a snapshot");
 }
 
 TEST(Store, KeepsRecordAndStateAcrossRestartsUntilRemoved) {
