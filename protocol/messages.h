@@ -38,7 +38,7 @@ struct HelloResult {
   std::int64_t protocol = 1;
   std::string session;
   std::string server;              // program and version
-  std::vector<std::string> roles;  // granted; empty: an environment answers, which grants none
+  std::vector<std::string> roles;  // granted; an environment grants none
   std::vector<std::string> capabilities;
   std::vector<std::pair<std::string, std::uint64_t>> limits;  // name, bound
 };

@@ -1,5 +1,7 @@
 #include "server/remote/channel_link.h"
 
+#include <algorithm>
+
 #include "protocol/codec.h"
 #include "protocol/version.h"
 
@@ -115,13 +117,13 @@ std::optional<LinkFailure> ChannelLink::introduce() {
   if (outcome) {
     if (const auto result = protocol::decodeHelloResult(*outcome)) {
       agree(result->capabilities, result->limits);
-      // an environment grants no roles
-      isServer = !result->roles.empty();
+      // which an environment does not grant
+      isServer = std::ranges::find(result->roles, "controller") != result->roles.end();
     }
   } else {
     failure = std::move(outcome.error());
     const bool isRefused = failure->kind == LinkFailure::Kind::Refused;
-    // nor does it ask for a token
+    // an environment asks for no token
     isServer = isRefused && failure->error.code == protocol::ErrorCode::Unauthorised;
     if ((isRefused && failure->error.code != protocol::ErrorCode::Version) ||
         failure->kind == LinkFailure::Kind::Timeout) {

@@ -125,6 +125,19 @@ TEST(ChannelLink, AServerIsNoEnvironment) {
   }
 }
 
+TEST(ChannelLink, AnEnvironmentMayNameItsOwnRole) {
+  const PeerSocket socket;
+  const auto link = linkTo(socket);
+  std::thread peer([&socket] {
+    const auto channel = socket.accept();
+    const std::string id = nextQuestion(*channel);
+    (void)channel->write(
+        R"({"jsonrpc":"2.0","id":")" + id + R"(","result":{"protocol":1,"roles":["environment"]}})" + "\n", soon());
+  });
+  EXPECT_FALSE(link->connect().has_value());
+  peer.join();
+}
+
 TEST(ChannelLink, AnAnswerThatComesTooLateIsNotTakenForTheNextOne) {
   const PeerSocket socket;
   const auto link = linkTo(socket);
