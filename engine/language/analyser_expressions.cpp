@@ -7,6 +7,7 @@
 #include "engine/files/file_name.h"
 #include "engine/language/analyser.h"
 #include "engine/language/arithmetic.h"
+#include "engine/language/decimal_comma.h"
 #include "engine/language/program.h"
 #include "engine/language/world_names.h"
 
@@ -60,6 +61,15 @@ std::string joined(const std::vector<std::string_view>& names) {
   std::string text;
   for (const std::string_view name : names) {
     text += (text.empty() ? "" : ", ") + std::string(name);
+  }
+  return text;
+}
+
+// as it is written: w[0][0]
+std::string firstElementOf(const ArrayVariable& array) {
+  std::string text = array.name;
+  for (std::size_t i = 0; i < array.dimensions.size(); ++i) {
+    text += "[0]";
   }
   return text;
 }
@@ -149,7 +159,7 @@ void Analyser::resolveName(ExpressionNode& node, Scope& scope) {
   node.binding = scope.find(node.text);
   if (node.binding.kind == Binding::Kind::Array) {
     messages_.error(node.range, "the array '" + node.text + "' needs a subscript in " + describePlace(),
-                    "write " + node.text + "[0]");
+                    "write " + firstElementOf(scope.system().arrayVariables[node.binding.index]));
   }
   if (node.binding.kind != Binding::Kind::Unbound) {
     return;
@@ -226,11 +236,13 @@ void Analyser::resolveElement(ExpressionNode& node, Scope& scope) {
                                      : "arrays: " + joined(arrays));
     return;
   }
-  const std::size_t dimensions = scope.system().arrayVariables[node.binding.index].dimensions.size();
+  const ArrayVariable& array = scope.system().arrayVariables[node.binding.index];
+  const std::size_t dimensions = array.dimensions.size();
   if (node.children.size() != dimensions) {
-    messages_.error(node.range, "expected " + std::to_string(dimensions) +
-                                    (dimensions == 1 ? " subscript" : " subscripts") + " of the array '" + node.text +
-                                    "', found " + std::to_string(node.children.size()));
+    messages_.error(node.range,
+                    "expected " + std::to_string(dimensions) + (dimensions == 1 ? " subscript" : " subscripts") +
+                        " of the array '" + node.text + "', found " + std::to_string(node.children.size()),
+                    "write " + firstElementOf(array));
   }
 }
 
@@ -263,10 +275,13 @@ void Analyser::resolveCall(ExpressionNode& node, Scope& scope) {
 }
 
 void Analyser::expectArguments(const ExpressionNode& node, std::size_t least, std::size_t most) {
-  if (node.children.size() < least || node.children.size() > most) {
-    messages_.error(node.range, "expected " + count(least, most) + " of '" + node.text + "', found " +
-                                    std::to_string(node.children.size()));
+  if (node.children.size() >= least && node.children.size() <= most) {
+    return;
   }
+  messages_.error(
+      node.range,
+      "expected " + count(least, most) + " of '" + node.text + "', found " + std::to_string(node.children.size()),
+      most == 1 ? decimalCommaHint(text_, at(node.children[0]).range.end) : std::string());
 }
 
 void Analyser::resolveFunction(ExpressionNode& node, Scope& scope) {

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/language/decimal_comma.h"
 #include "engine/language/parse/parser.h"
 #include "engine/language/preprocess/macro_table.h"
 
@@ -82,6 +83,8 @@ std::string Parser::adviceFor(const Token& token) const {
              : token.text == "not"                              ? "write '!'"
              : token.text == "if" && reading_ == "a production" ? "a condition follows ':', as in A(x) : x > 1 --> B"
                                                                 : std::string();
+    case TokenKind::Comma:
+      return decimalCommaHint(lexer_.text(), token.range.begin);
     case TokenKind::EndOfLine:
       return before == '%' ? "'%' is the remainder of a division; 50% is 0.5" : std::string();
     default:

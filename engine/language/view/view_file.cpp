@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/files/text_cursor.h"
+#include "engine/language/decimal_comma.h"
 #include "engine/language/preprocess/preprocessor.h"
 #include "engine/language/view/view_commands.h"
 #include "engine/language/view/view_lexer.h"
@@ -32,7 +33,8 @@ std::string_view withoutColon(std::string_view label) {
   return label.ends_with(':') ? label.substr(0, label.size() - 1) : label;
 }
 
-void warnUnknown(const files::TextReport& report, const ViewLexer::Label& label) {
+void warnUnknown(const ViewCommandContext& context, const ViewLexer::Label& label) {
+  const files::TextReport& report = context.report;
   constexpr std::size_t kLongest = 40;
   if (report.isFull()) {
     return report.warn(label.range, {});
@@ -49,7 +51,8 @@ void warnUnknown(const files::TextReport& report, const ViewLexer::Label& label)
   std::string shown(name.substr(0, kLongest));
   shown += name.size() > kLongest ? "..." : "";
   if (!label.text.ends_with(':')) {
-    report.warn(label.range, "expected a view command while reading a view file, found '" + shown + "'");
+    report.warn(label.range, "expected a view command while reading a view file, found '" + shown + "'",
+                decimalCommaHint(context.lexer.cursor().textBetween(0, label.range.end), label.range.begin));
     return;
   }
   std::string hint;
@@ -85,7 +88,7 @@ void executeCommands(ViewCommandContext& context) {
   while (const std::optional<ViewLexer::Label> label = context.lexer.nextLabel()) {
     const ViewCommand* const command = findCommand(label->text);
     if (command == nullptr) {
-      warnUnknown(context.report, *label);
+      warnUnknown(context, *label);
       context.lexer.skipLine();
     } else if (!command->execute(context)) {
       warnMissing(context, *label);

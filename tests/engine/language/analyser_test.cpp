@@ -134,16 +134,18 @@ TEST(Analyser, ArgumentCountsAreChecked) {
             (Messages{"4:12: error: expected 1 argument of 'sin', found 2",
                       "4:21: error: expected 1 to 2 arguments of 'atan', found 3",
                       "4:33: error: expected 3 arguments of 'clamp', found 1"}));
+  EXPECT_EQ(messagesOf(header("", "A(n) --> A(sin(0,5))")),
+            Messages{"4:12: error: expected 1 argument of 'sin', found 2 | write 0.5 with a point"});
 }
 
 TEST(Analyser, ArraysAreCheckedLikeFunctions) {
   EXPECT_EQ(messagesOf(header(
                 "Define: { array weight[2][3]; }",
                 "A(n) --> A(weight[n])\nB(n) --> A(weight)\nC(n) --> A(wieght[0][1])\nD(n) : {weight = 1;} * --> B")),
-            (Messages{"4:12: error: expected 2 subscripts of the array 'weight', found 1",
-                      "5:12: error: the array 'weight' needs a subscript in the successor of B(n) | write weight[0]",
+            (Messages{"4:12: error: expected 2 subscripts of the array 'weight', found 1 | write weight[0][0]",
+                      "5:12: error: the array 'weight' needs a subscript in the successor of B(n) | write weight[0][0]",
                       "6:12: error: unknown array 'wieght' in the successor of C(n) | did you mean 'weight'?",
-                      "7:9: error: the array 'weight' needs a subscript in a block of D(n) | write weight[0]"}));
+                      "7:9: error: the array 'weight' needs a subscript in a block of D(n) | write weight[0][0]"}));
   EXPECT_EQ(
       messagesOf(header("", "A(n) --> A(w[0])")),
       Messages{

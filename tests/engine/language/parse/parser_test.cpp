@@ -295,6 +295,16 @@ TEST(Parser, MistakesInBlocks) {
           "}"}));
 }
 
+TEST(Parser, AnUnexpectedCommaBetweenDigitsIsADecimalComma) {
+  EXPECT_EQ(messagesOf("Lsystem: 1\nseed: 12,50\nAxiom: A(1)\nA(x) : x > 0,5 --> A((0,25))\nendlsystem\n"),
+            (Messages{"2:9: error: expected the end of the line while reading 'seed:', found ',' | write 12.50 with a "
+                      "point",
+                      "4:13: error: expected '-->' while reading the condition of A(x), found ',' | write 0.5 with a "
+                      "point"}));
+  EXPECT_EQ(messagesOf(model("A(x) --> A((x,5))")),
+            Messages{"3:14: error: expected ')' while reading the successor of A(x), found ','"});
+}
+
 TEST(Parser, AnOpenBlockEndsAtTheNextKeyword) {
   EXPECT_EQ(
       messagesOf("Lsystem: 1\nStart: { a = 1;\nAxiom: A\nA --> B(\nendlsystem\n"),
