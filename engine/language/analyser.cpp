@@ -217,22 +217,22 @@ void Analyser::defineArrays(LSystemSyntax& system, Scope& scope) {
       messages_.error(array.name.range, "the array '" + array.name.text + "' is defined twice");
       continue;
     }
+    // a wrong array is known, so that its uses are no further mistakes
+    scope.addArray(array.name.text, static_cast<std::uint32_t>(system.arrayVariables.size()));
     if (count + system.arrayElementCount > limits_.maximumArrayElements) {
       messages_.error(array.range, "the arrays have more elements than the limit arrayElements (" +
                                        std::to_string(limits_.maximumArrayElements) + ")");
-      continue;
-    }
-    if (array.initial.size() > count) {
+      count = 0;
+    } else if (array.initial.size() > count) {
       messages_.error(array.range, "the array '" + array.name.text + "' has " + std::to_string(count) +
                                        " elements, found " + std::to_string(array.initial.size()) + " values");
-      continue;
-    }
-    for (const ExpressionIndex value : array.initial) {
-      variable.initial.push_back(constantItem(value, "the values of array '" + array.name.text + "'", -9.0e15));
+    } else {
+      for (const ExpressionIndex value : array.initial) {
+        variable.initial.push_back(constantItem(value, "the values of array '" + array.name.text + "'", -9.0e15));
+      }
     }
     variable.initial.resize(count, 0.0);
     system.arrayElementCount += static_cast<std::uint32_t>(count);
-    scope.addArray(array.name.text, static_cast<std::uint32_t>(system.arrayVariables.size()));
     system.arrayVariables.push_back(std::move(variable));
   }
 }

@@ -40,6 +40,7 @@ class Parser {
   bool parseModuleDeclaration();
   void parseDefine(LSystemSyntax& system);
   bool parseArrays(LSystemSyntax& system);
+  bool parseInitialValues(std::vector<ExpressionIndex>& values);
   bool parseExternals(LSystemSyntax& system);
 
   // parser_productions.cpp: productions and modules

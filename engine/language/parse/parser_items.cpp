@@ -239,30 +239,48 @@ bool Parser::parseArrays(LSystemSyntax& system) {
     if (array.dimensions.empty()) {
       return expected("'['", lexer_.peekExpression(), "an array has a size: 'array w[5];'");
     }
-    if (lexer_.peekExpression().kind == TokenKind::Assign) {
-      lexer_.advance();
-      if (!expectExpressionToken(TokenKind::OpenBrace, "'{'")) {
-        return false;
-      }
-      do {
-        const ExpressionIndex value = parseExpression();
-        if (value == kNoExpression) {
-          return false;
-        }
-        array.initial.push_back(value);
-        if (lexer_.peekExpression().kind != TokenKind::Comma) {
-          break;
-        }
-        lexer_.advance();
-      } while (true);
-      if (!expectExpressionToken(TokenKind::CloseBrace, "'}'")) {
-        return false;
-      }
-    }
+    // uses of the array are no mistake when only its values are
     array.range = {name.range.begin, lexer_.position()};
     system.arrays.push_back(std::move(array));
+    if (lexer_.peekExpression().kind == TokenKind::Assign) {
+      lexer_.advance();
+      if (!parseInitialValues(system.arrays.back().initial)) {
+        return false;
+      }
+      system.arrays.back().range.end = lexer_.position();
+    }
     if (lexer_.peekExpression().kind != TokenKind::Comma) {
       return true;
+    }
+    lexer_.advance();
+  }
+}
+
+/// The values between `{` and `}`. Braces inside are one mistake, and their values are read.
+bool Parser::parseInitialValues(std::vector<ExpressionIndex>& values) {
+  if (!expectExpressionToken(TokenKind::OpenBrace, "'{'")) {
+    return false;
+  }
+  bool hasInnerBraces = false;
+  std::uint32_t depth = 0;
+  while (true) {
+    for (; lexer_.peekExpression().kind == TokenKind::OpenBrace; ++depth) {
+      if (!std::exchange(hasInnerBraces, true)) {
+        expected("an expression", lexer_.peekExpression(),
+                 "all values stand in one list, row after row: array a[2][2] = {1, 2, 3, 4};");
+      }
+      lexer_.advance();
+    }
+    const ExpressionIndex value = parseExpression();
+    if (value == kNoExpression) {
+      return false;
+    }
+    values.push_back(value);
+    for (; depth > 0 && lexer_.peekExpression().kind == TokenKind::CloseBrace; --depth) {
+      lexer_.advance();
+    }
+    if (lexer_.peekExpression().kind != TokenKind::Comma) {
+      return expectExpressionToken(TokenKind::CloseBrace, "'}'");
     }
     lexer_.advance();
   }

@@ -162,6 +162,11 @@ TEST(Analyser, DefinitionsAreChecked) {
   limits.maximumArrayElements = 10;
   EXPECT_EQ(messagesOf(header("Define: { array a[4][4]; }", "A(n) --> A(n)"), Compatibility::Espalier, limits),
             Messages{"2:17: error: the arrays have more elements than the limit arrayElements (10)"});
+  // the uses of a wrong array are no further mistakes
+  EXPECT_EQ(messagesOf(header("Define: { array a[11], b[1] = {1,2}; }", "A(n) --> A(a[n]+b[n])"),
+                       Compatibility::Espalier, limits),
+            (Messages{"2:17: error: the arrays have more elements than the limit arrayElements (10)",
+                      "2:24: error: the array 'b' has 1 elements, found 2 values"}));
   // all arrays of an L-system together
   EXPECT_EQ(messagesOf(header("Define: { array a[6], b[4]; }", "A(n) --> A(n)"), Compatibility::Espalier, limits),
             Messages{});

@@ -295,6 +295,16 @@ TEST(Parser, MistakesInBlocks) {
           "}"}));
 }
 
+TEST(Parser, InitialValuesWithInnerBracesAreOneMistake) {
+  EXPECT_EQ(messagesOf("Lsystem: 1\nDefine: { array a[2][2] = {{1,2},{3,{4}}}, b[2] = {5,6}; array c[1]; }\nAxiom: "
+                       "A(a[0][1]+b[1]+c[0])\nA(x) --> A(x)\nendlsystem\n"),
+            Messages{"2:28: error: expected an expression while reading 'define:', found '{' | all values stand in one "
+                     "list, row after row: array a[2][2] = {1, 2, 3, 4};"});
+  // another mistake among the values does not hide the array
+  EXPECT_EQ(messagesOf("Lsystem: 1\nDefine: { array a[2] = {1,}; }\nAxiom: A(a[0])\nA(x) --> A(x)\nendlsystem\n"),
+            Messages{"2:27: error: expected an expression while reading 'define:', found '}'"});
+}
+
 TEST(Parser, AnUnexpectedCommaBetweenDigitsIsADecimalComma) {
   EXPECT_EQ(messagesOf("Lsystem: 1\nseed: 12,50\nAxiom: A(1)\nA(x) : x > 0,5 --> A((0,25))\nendlsystem\n"),
             (Messages{"2:9: error: expected the end of the line while reading 'seed:', found ',' | write 12.50 with a "
