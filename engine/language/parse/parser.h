@@ -70,6 +70,8 @@ class Parser {
   // parser_statements.cpp: blocks
   bool parseBlock(Block& block);
   bool parseStatements(std::vector<Statement>& statements);
+  bool parseBody(std::vector<Statement>& statements, const std::string& example);
+  bool isTooDeep();
   bool parseStatement(Statement& statement);
   bool parseSimpleStatement(Statement& statement);
   bool parseIf(Statement& statement);
@@ -106,6 +108,7 @@ class Parser {
   std::uint32_t expressionDepth_ = 0;  // recursion of the parser itself
   std::uint32_t productionBegin_ = 0;  // of the production being read
   bool skipsIndentedLines_ = false;    // the last message was about lines that start with blanks
+  bool missesBraces_ = false;          // of the current statement of a block: one message is enough
   bool hasReportedEnd_ = false;        // an early end of the file was reported: one message is enough
 };
 

@@ -24,15 +24,23 @@ bool Parser::parseBlock(Block& block) {
   return isGood;
 }
 
+/// Whether the open blocks are more than the limit: an error.
+bool Parser::isTooDeep() {
+  if (lexer_.blockDepth() <= limits_.maximumExpressionDepth) {
+    return false;
+  }
+  messages_.error(lexer_.peekExpression().range, "blocks are nested deeper than the limit expressionDepth (" +
+                                                     std::to_string(limits_.maximumExpressionDepth) + ")");
+  return true;
+}
+
 /// From `{` to `}`. False: the block could not be read to its end.
 bool Parser::parseStatements(std::vector<Statement>& statements) {
   if (!expectExpressionToken(TokenKind::OpenBrace, "'{'")) {
     return false;
   }
   lexer_.enterBlock();
-  if (lexer_.blockDepth() > limits_.maximumExpressionDepth) {
-    messages_.error(lexer_.peekExpression().range, "blocks are nested deeper than the limit expressionDepth (" +
-                                                       std::to_string(limits_.maximumExpressionDepth) + ")");
+  if (isTooDeep()) {
     return false;
   }
   if (lexer_.peekExpression().kind == TokenKind::CloseBrace) {
@@ -58,15 +66,34 @@ bool Parser::parseStatements(std::vector<Statement>& statements) {
       continue;
     }
     Statement statement;
+    const bool outerMissesBraces = std::exchange(missesBraces_, false);
     if (parseStatement(statement)) {
       statements.push_back(std::move(statement));
     } else {
       skipStatement();
     }
+    missesBraces_ = outerMissesBraces;
   }
   lexer_.advance();
   lexer_.leaveBlock();
   return true;
+}
+
+/// The block of `if`, `else` or `while`. One statement without braces is a mistake, and is read.
+bool Parser::parseBody(std::vector<Statement>& statements, const std::string& example) {
+  const Token& token = lexer_.peekExpression();
+  const bool isStatement = token.kind == TokenKind::Identifier || token.kind == TokenKind::OpenParenthesis;
+  if (!isStatement || isWord(token, "else")) {
+    return parseStatements(statements);
+  }
+  if (!std::exchange(missesBraces_, true)) {
+    expected("'{'", token, "braces are needed also around one statement: " + example);
+  }
+  // counts among the nested blocks
+  lexer_.enterBlock();
+  const bool isGood = !isTooDeep() && parseStatement(statements.emplace_back());
+  lexer_.leaveBlock();
+  return isGood;
 }
 
 /// To the end of the statement, or to the brace that ends the block.
@@ -156,27 +183,25 @@ bool Parser::parseStatementCondition(ExpressionIndex& condition, std::string_vie
 bool Parser::parseIf(Statement& statement) {
   statement.kind = Statement::Kind::If;
   lexer_.advance();
-  if (!parseStatementCondition(statement.value, "if") || !parseStatements(statement.body)) {
+  if (!parseStatementCondition(statement.value, "if") || !parseBody(statement.body, "if (...) { ... } else { ... }")) {
     return false;
   }
-  if (isWord(lexer_.peekExpression(), "else")) {
-    lexer_.advance();
-    if (isWord(lexer_.peekExpression(), "if")) {
-      return expected("'{'", lexer_.peekExpression(), "'else' takes a block: else { if (...) { ... } }");
-    }
-    return parseStatements(statement.otherwise);
+  if (!isWord(lexer_.peekExpression(), "else")) {
+    return true;
   }
-  return true;
+  lexer_.advance();
+  return parseBody(statement.otherwise,
+                   isWord(lexer_.peekExpression(), "if") ? "else { if (...) { ... } }" : "else { ... }");
 }
 
 bool Parser::parseLoop(Statement& statement, bool isDo) {
   lexer_.advance();
   if (!isDo) {
     statement.kind = Statement::Kind::While;
-    return parseStatementCondition(statement.value, "while") && parseStatements(statement.body);
+    return parseStatementCondition(statement.value, "while") && parseBody(statement.body, "while (...) { ... }");
   }
   statement.kind = Statement::Kind::DoWhile;
-  if (!parseStatements(statement.body)) {
+  if (!parseBody(statement.body, "do { ... } while (...);")) {
     return false;
   }
   if (!isWord(lexer_.peekExpression(), "while")) {

@@ -287,12 +287,34 @@ TEST(Parser, MistakesInBlocks) {
           "{ ... }",
           "2:47: error: expected ';' while reading Start, found '=' | only a variable or an array element can stand "
           "before '='",
-          "2:66: error: expected '{' while reading Start, found 'b'",
+          "2:66: error: expected '{' while reading Start, found 'b' | braces are needed also around one statement: "
+          "while (...) { ... }",
           "2:73: error: expected an expression while reading Start, found 'else'",
           "3:15: error: expected 'while' while reading Start, found 'until' | a loop that starts with 'do' ends with "
           "'while (condition);'",
-          "3:49: error: expected '{' while reading Start, found 'if' | 'else' takes a block: else { if (...) { ... } "
-          "}"}));
+          "3:49: error: expected '{' while reading Start, found 'if' | braces are needed also around one statement: "
+          "else { if (...) { ... } }"}));
+}
+
+TEST(Parser, StatementsWithoutBracesAreOneMistake) {
+  const auto start = [](const std::string& statements) {
+    return messagesOf("Lsystem: 1\nStart: { x = 1; " + statements + " }\nAxiom: A\nA --> A\nendlsystem\n");
+  };
+  const std::string head = "error: expected '{' while reading Start, found ";
+  const std::string hint = " | braces are needed also around one statement: ";
+  const std::string both = hint + "if (...) { ... } else { ... }";
+  EXPECT_EQ(start("if (x) x = 1; else x = 2; x = 3;"), Messages{"2:24: " + head + "'x'" + both});
+  EXPECT_EQ(start("if (x) { x = 1; } else x = 2;"), Messages{"2:40: " + head + "'x'" + hint + "else { ... }"});
+  EXPECT_EQ(start("if (x) if (x) x = 1; else if (x) { x = 2; } else x = 3;"),
+            Messages{"2:24: " + head + "'if'" + both});
+  EXPECT_EQ(start("while (x) x = 0;"), Messages{"2:27: " + head + "'x'" + hint + "while (...) { ... }"});
+  EXPECT_EQ(start("do x = 0; while (x);"), Messages{"2:20: " + head + "'x'" + hint + "do { ... } while (...);"});
+  // each of two statements has its message, and so has a mistake in one
+  EXPECT_EQ(start("if (x) x = 1; if (x) x = ;"),
+            (Messages{"2:24: " + head + "'x'" + both, "2:38: " + head + "'x'" + both,
+                      "2:42: error: expected an expression while reading Start, found ';'"}));
+  EXPECT_EQ(start("if (x) { if (x) x = 1; else x = 2; } else x = 3;"),
+            (Messages{"2:33: " + head + "'x'" + both, "2:59: " + head + "'x'" + hint + "else { ... }"}));
 }
 
 TEST(Parser, InitialValuesWithInnerBracesAreOneMistake) {
