@@ -37,7 +37,9 @@ ParsedModel parseModel(const CompileInput& input, const files::ViewSettings& vie
     return parsed;
   }
   MessageList& messages = parsed.messages;
-  Parser(source.text, input.limits, parsed.syntax, messages).parseFile();
+  Parser parser(source.text, input.limits, parsed.syntax, messages);
+  parser.setCommentNewlines(source.commentNewlines);
+  parser.parseFile();
   if (!source.diagnostics.hasErrors()) {
     const bool hasSyntaxErrors = messages.errorCount() > 0;
     Analyser analyser(source.text, input.compatibility, input.limits, parsed.syntax, messages);

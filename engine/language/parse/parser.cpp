@@ -15,12 +15,6 @@ bool startsSection(Keyword keyword) {
 
 }  // namespace
 
-std::string tabHint() {
-  return "a continuation line must start with a TAB, not with blanks (or write 'Syntax: free' before "
-         "the "
-         "first L-system)";
-}
-
 // ---- messages and recovery
 
 std::string Parser::describeReading() const {
@@ -42,8 +36,9 @@ bool Parser::expected(std::string_view what, const Token& token, std::string hin
     hint = "'" + text + "' before it is skipped: " + (text == "|" ? "write '||' for 'or'" : "remove it");
   } else if (!advice.empty() && (token.kind == TokenKind::Invalid || hint.empty())) {
     hint = advice;
-  } else if (token.kind == TokenKind::EndOfLine && !lexer_.isFreeSyntax() && lexer_.nextLineIsIndented()) {
-    hint = tabHint();
+  } else if (token.kind == TokenKind::EndOfLine &&
+             (startsInComment(token.range.end) || (!lexer_.isFreeSyntax() && lexer_.nextLineIsIndented()))) {
+    hint = continuationHint(token.range.end);
     skipsIndentedLines_ = true;
   } else if (token.kind == TokenKind::Keyword && hint.empty()) {
     hint = "these letters are a keyword everywhere; put blanks between them to write symbols";
@@ -77,7 +72,9 @@ bool Parser::expectLineEnd(const Token& token) {
 }
 
 void Parser::recover() {
-  lexer_.skipLine();
+  do {
+    lexer_.skipLine();
+  } while (lexer_.position() < lexer_.text().size() && startsInComment(lexer_.position()));
   if (skipsIndentedLines_) {
     lexer_.skipIndentedLines();
   }
@@ -234,8 +231,8 @@ void Parser::parseItems(LSystemSyntax& system) {
         if (unmarked != kItems.end()) {
           hint = "write a ':' behind '" + std::string(line.substr(0, unmarked->size())) + "'";
         }
-        if (!lexer_.isFreeSyntax() && lexer_.lineIsIndented(token.range.begin)) {
-          hint = tabHint();
+        if (std::string continued = continuationHint(token.range.begin); !continued.empty()) {
+          hint = std::move(continued);
         }
         expected("an item or 'Axiom:'", token, std::move(hint));
       }

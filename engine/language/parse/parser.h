@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,10 @@ class Parser {
   /// All references must outlive the parser.
   Parser(std::string_view text, const core::Limits& limits, ModelSyntax& model, MessageList& messages)
       : limits_(limits), model_(model), messages_(messages), lexer_(text, model.symbols) {}
+
+  /// The offsets of newlines inside comments, ascending: messages explain that these end a production. Must outlive the
+  /// parser.
+  void setCommentNewlines(std::span<const std::uint32_t> offsets) { commentNewlines_ = offsets; }
 
   /// The whole file: file := lsystem+ (parser.cpp).
   void parseFile();
@@ -66,6 +71,8 @@ class Parser {
   [[nodiscard]] std::string unclosedHint(core::SourceRange open, const Token& found) const;
   void reportSkippedCharacters();
   [[nodiscard]] std::string_view lineAt(std::uint32_t position) const;
+  [[nodiscard]] std::string continuationHint(std::uint32_t position) const;
+  [[nodiscard]] bool startsInComment(std::uint32_t position) const;
 
   // parser_statements.cpp: blocks
   bool parseBlock(Block& block);
@@ -100,6 +107,7 @@ class Parser {
   void recover();
 
   const core::Limits& limits_;
+  std::span<const std::uint32_t> commentNewlines_;
   ModelSyntax& model_;
   MessageList& messages_;
   Lexer lexer_;
@@ -111,8 +119,5 @@ class Parser {
   bool missesBraces_ = false;          // of the current statement of a block: one message is enough
   bool hasReportedEnd_ = false;        // an early end of the file was reported: one message is enough
 };
-
-/// The hint of a message about a line that should start with a TAB.
-[[nodiscard]] std::string tabHint();
 
 }  // namespace espalier::language

@@ -42,6 +42,24 @@ std::string_view Parser::lineAt(std::uint32_t position) const {
   return rest.substr(0, rest.find('\n'));
 }
 
+/// Whether the line that holds `position` begins inside a comment.
+bool Parser::startsInComment(std::uint32_t position) const {
+  const std::size_t newline = position == 0 ? std::string_view::npos : lexer_.text().rfind('\n', position - 1);
+  return newline != std::string_view::npos && std::ranges::binary_search(commentNewlines_, newline);
+}
+
+/// Advice when the line that holds `position` was probably meant to continue the line before. Empty: it was not.
+std::string Parser::continuationHint(std::uint32_t position) const {
+  if (startsInComment(position)) {
+    return "a comment over several lines ends a production or item: write it on one line, or above";
+  }
+  if (!lexer_.isFreeSyntax() && lexer_.lineIsIndented(position)) {
+    return "a continuation line must start with a TAB, not with blanks (or write 'Syntax: free' before the first "
+           "L-system)";
+  }
+  return {};
+}
+
 /// Advice about an unusable token, by the habit that led to it. Empty: no special advice.
 std::string Parser::adviceFor(const Token& token) const {
   const char before = token.range.begin > 0 ? lexer_.text()[token.range.begin - 1] : '\n';

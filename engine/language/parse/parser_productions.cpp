@@ -48,6 +48,9 @@ void Parser::parseProduction(ProductionListSyntax& list) {
 
 std::string Parser::productionHint(std::uint32_t begin) const {
   const std::string_view line = lineAt(begin);
+  if (startsInComment(begin)) {
+    return continuationHint(begin);
+  }
   if (line.starts_with('[') || line.starts_with(']')) {
     return "a line that begins in column 1 is a new production; to continue the successor above, begin the line with a "
            "TAB";
@@ -61,7 +64,7 @@ std::string Parser::productionHint(std::uint32_t begin) const {
       return "did you mean '" + std::string(near) + ":'?";
     }
   }
-  return !lexer_.isFreeSyntax() && lexer_.lineIsIndented(begin) ? tabHint() : std::string();
+  return continuationHint(begin);
 }
 
 /// Reports a line that cannot be a production: it starts with blanks instead of a TAB, or with a misspelt section word.
@@ -79,8 +82,8 @@ bool Parser::skipsNoProduction(std::string_view name) {
   if (whole.find('>') != std::string_view::npos || whole.find('{') != std::string_view::npos) {
     return false;
   }
-  if (!lexer_.isFreeSyntax() && lexer_.lineIsIndented(token.range.begin)) {
-    expected("a production", token, tabHint());
+  if (std::string continued = continuationHint(token.range.begin); !continued.empty()) {
+    expected("a production", token, std::move(continued));
     recover();
     lexer_.skipIndentedLines();
     return true;

@@ -160,6 +160,9 @@ class Preprocessor {
       } else if (isActive()) {
         joinCall(reader, line);
         emitLine(file, line);
+        if (reader.isInComment()) {
+          result_.commentNewlines.push_back(static_cast<std::uint32_t>(result_.text.size() - 1));
+        }
       }
     }
     if (reader.isInComment()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,9 +23,10 @@ struct PreprocessResult {
   std::string text;
   files::SourceMap sourceMap;
   core::DiagnosticList diagnostics;
-  std::vector<std::string> macros;  // names of the macros defined at the end
-  bool hasLostText = false;         // an open comment contains the rest of a file
-  bool isComplete = true;           // false: the file could not be read, or a limit was reached
+  std::vector<std::uint32_t> commentNewlines;  // offsets in `text` of the newlines inside comments, ascending
+  std::vector<std::string> macros;             // names of the macros defined at the end
+  bool hasLostText = false;                    // an open comment contains the rest of a file
+  bool isComplete = true;                      // false: the file could not be read, or a limit was reached
 };
 
 /// A traditional C preprocessor: #define (also with arguments), #undef, #include, #if and its relatives, both comment

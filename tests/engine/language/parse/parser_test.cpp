@@ -122,11 +122,28 @@ TEST(Parser, ReadsAllItems) {
 }
 
 TEST(Parser, ACommentOverLinesEndsTheProduction) {
+  const std::string hint = " | a comment over several lines ends a production or item: write it on one line, or above";
   EXPECT_EQ(
       messagesOf(model("A(n) --> B /* one\ntwo */ [C]")),
-      Messages{
-          "4:8: error: expected a production while reading the productions after the axiom, found '[' | a continuation "
-          "line must start with a TAB, not with blanks (or write 'Syntax: free' before the first L-system)"});
+      Messages{"4:8: error: expected a production while reading the productions after the axiom, found '['" + hint});
+  EXPECT_EQ(
+      messagesOf(model("A(n) : n > 0 /* one\ntwo\nthree */\n  --> B\nC > /* one\n*/ D --> E\nF -->")),
+      (Messages{"3:20: error: expected '-->' while reading the condition of A(n), found the end of the line" + hint,
+                "7:11: error: expected a context after '>' while reading a production, found the end of the "
+                "line" +
+                    hint,
+                "9:6: error: expected a module or '*' while reading the successor of F, found the end of the "
+                "line | '*' is the empty successor"}));
+  EXPECT_EQ(messagesOf("Lsystem: 1\nseed: /* one\ntwo */ 5\nAxiom: A\nA --> A\nendlsystem\n"),
+            Messages{"2:13: error: expected an expression while reading 'seed:', found the end of the line" + hint});
+  EXPECT_EQ(
+      messagesOf("Syntax: free\n" + model("A(n) --> B /* one\ntwo */[C]")),
+      Messages{"5:7: error: expected a production while reading the productions after the axiom, found '['" + hint});
+  // the comment may hold the rest of the file
+  EXPECT_EQ(messagesOf("Lsystem: 1\nAxiom: A\nA --> B( /* one\ntwo\n\nthree\n")[0].substr(0, 20),
+            "3:10: error: expecte");
+  // where nothing is wrong the comment is none of the parser's business
+  EXPECT_EQ(messagesOf(model("A(n) --> A(n) /* one\ntwo */\nB /* one */ --> B")), Messages{});
 }
 
 // ---- additions
