@@ -37,12 +37,11 @@ void collectReferences(const ModelSyntax& model, ExpressionIndex expression, Nam
   if (expression == kNoExpression) {
     return;
   }
-  const ExpressionNode& node = model.expressions[expression];
-  for (const ExpressionIndex child : node.children) {
-    collectReferences(model, child, names);
-  }
-  if (node.kind == ExpressionKind::Reference && model.expressions[node.children[0]].kind == ExpressionKind::Name) {
-    names.add(model.expressions[node.children[0]]);
+  for (ExpressionIndex i = firstNode(model, expression); i <= expression; ++i) {
+    const ExpressionNode& node = model.expressions[i];
+    if (node.kind == ExpressionKind::Reference && model.expressions[node.children[0]].kind == ExpressionKind::Name) {
+      names.add(model.expressions[node.children[0]]);
+    }
   }
 }
 
@@ -140,6 +139,14 @@ void Analyser::resolve(ExpressionIndex expression, Scope& scope) {
     case ExpressionKind::Reference:
       messages_.error(node.range, "'&' has a meaning only among the arguments of fscanf");
       break;
+    case ExpressionKind::Binary: {
+      const std::vector<ExpressionIndex> chain = operatorChain(model_, expression);
+      resolve(at(chain.back()).children[0], scope);
+      for (std::size_t i = chain.size(); i-- > 0;) {
+        resolve(at(chain[i]).children[1], scope);
+      }
+      break;
+    }
     default:
       for (const ExpressionIndex child : node.children) {
         resolve(child, scope);

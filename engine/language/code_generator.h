@@ -52,6 +52,7 @@ class CodeGenerator {
   void emitStore(const ExpressionNode& target);
   void emitExpression(ExpressionIndex index);
   void emitName(const ExpressionNode& node);
+  void emitOperators(ExpressionIndex top);
   void emitLogical(const ExpressionNode& node);
   void emitConditional(const ExpressionNode& node);
   void emitCall(const ExpressionNode& node);

@@ -257,13 +257,7 @@ void CodeGenerator::emitExpression(ExpressionIndex index) {
       emit(node.operation, 0, 0, node.range, 0);
       break;
     case ExpressionKind::Binary:
-      if (node.operation == Operation::LogicalAnd || node.operation == Operation::LogicalOr) {
-        emitLogical(node);
-      } else {
-        emitExpression(node.children[0]);
-        emitExpression(node.children[1]);
-        emit(node.operation, 0, 0, node.range, -1);
-      }
+      emitOperators(index);
       break;
     case ExpressionKind::Conditional:
       emitConditional(node);
@@ -300,14 +294,31 @@ void CodeGenerator::emitName(const ExpressionNode& node) {
   }
 }
 
-/// `&&` and `||`. Both sides are evaluated when the right side is simple, because the result is the same; in the
-/// reference's modes also when the left side is bare. Otherwise the right side is skipped when the left side decides.
+/// Operators with two operands, along their left operands: a sum may have more signs than the stack has room.
+void CodeGenerator::emitOperators(ExpressionIndex top) {
+  std::vector<ExpressionIndex> chain = operatorChain(model_, top);
+  // a constant needs no operands
+  chain.erase(std::ranges::find_if(chain, [&](ExpressionIndex i) { return values_[i].has_value(); }), chain.end());
+  emitExpression(at(chain.back()).children[0]);
+  for (std::size_t i = chain.size(); i-- > 0;) {
+    const ExpressionNode& node = at(chain[i]);
+    if (node.operation == Operation::LogicalAnd || node.operation == Operation::LogicalOr) {
+      emitLogical(node);
+    } else {
+      emitExpression(node.children[1]);
+      emit(node.operation, 0, 0, node.range, -1);
+    }
+  }
+}
+
+/// `&&` and `||` behind their left side. Both sides are evaluated when the right side is simple, because the result is
+/// the same; in the reference's modes also when the left side is bare. Otherwise the right side is skipped when the
+/// left side decides.
 void CodeGenerator::emitLogical(const ExpressionNode& node) {
   const ExpressionNode& left = at(node.children[0]);
   const bool isAnd = node.operation == Operation::LogicalAnd;
   const bool isReferenceOr = isReference() && !isAnd && isCompound(left);
   const bool evaluatesBoth = isReference() && !isCompound(left);
-  emitExpression(node.children[0]);
   if (evaluatesBoth || (traits_[node.children[1]].isSimple && !isReferenceOr)) {
     emitExpression(node.children[1]);
     emit(node.operation, 0, 0, node.range, -1);

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace espalier::language {
 namespace {
@@ -125,18 +126,21 @@ class NameCollector {
     }
   }
 
-  // an expression is at most as deep as the parser allows
   void addExpression(ExpressionIndex expression) {
-    if (expression == kNoExpression) {
-      return;
+    std::vector<ExpressionIndex> open;
+    if (expression != kNoExpression) {
+      open.push_back(expression);
     }
-    const ExpressionNode& node = model_.expressions[expression];
-    if (node.kind == ExpressionKind::Name || node.kind == ExpressionKind::Element) {
-      addName(node);
-    } else if (node.kind == ExpressionKind::Call) {
-      add(NameKind::Function, node.text, 0, node.nameRange);
+    while (!open.empty()) {
+      const ExpressionNode& node = model_.expressions[open.back()];
+      open.pop_back();
+      if (node.kind == ExpressionKind::Name || node.kind == ExpressionKind::Element) {
+        addName(node);
+      } else if (node.kind == ExpressionKind::Call) {
+        add(NameKind::Function, node.text, 0, node.nameRange);
+      }
+      open.insert(open.end(), node.children.rbegin(), node.children.rend());
     }
-    addExpressions(node.children);
   }
 
   void addName(const ExpressionNode& node) {

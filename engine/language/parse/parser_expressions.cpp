@@ -31,6 +31,9 @@ constexpr std::array<BinaryOperator, 15> kBinaryOperators{{{"||", 1, Operation::
                                                            {"%", 6, Operation::Modulo},
                                                            {"^", 7, Operation::Power}}};
 
+// a long sum is not nested, but some checks call themselves for each of its operators
+constexpr std::uint32_t kOperatorsPerLevel = 50;
+
 const BinaryOperator* findOperator(const Token& token) {
   if (token.kind != TokenKind::Operator && token.kind != TokenKind::Star) {
     return nullptr;
@@ -49,11 +52,23 @@ bool isReserved(std::string_view name) {
 ExpressionIndex Parser::makeNode(ExpressionNode node) {
   core::pollWork();
   for (const ExpressionIndex child : node.children) {
-    node.depth = std::max(node.depth, model_.expressions[child].depth + 1);
+    const ExpressionNode& operand = model_.expressions[child];
+    const bool isLeft = node.kind == ExpressionKind::Binary && child == node.children.front();
+    node.depth = std::max(node.depth, operand.depth + 1);
+    node.nesting = std::max(node.nesting, operand.nesting + (isLeft ? 0 : 1));
   }
-  if (node.depth > limits_.maximumExpressionDepth) {
+  if (node.nesting > limits_.maximumExpressionDepth) {
     messages_.error(node.range,
                     "the expression is nested deeper than the limit expressionDepth (" +
+                        std::to_string(limits_.maximumExpressionDepth) + ")",
+                    "assign parts of it to variables first");
+    return kNoExpression;
+  }
+  const std::uint64_t mostOperators = std::uint64_t{kOperatorsPerLevel} * limits_.maximumExpressionDepth;
+  if (node.depth > mostOperators + 1) {
+    messages_.error(node.range,
+                    "the expression has more than " + std::to_string(mostOperators) + " operators in a row, " +
+                        std::to_string(kOperatorsPerLevel) + " for each level of the limit expressionDepth (" +
                         std::to_string(limits_.maximumExpressionDepth) + ")",
                     "assign parts of it to variables first");
     return kNoExpression;

@@ -47,7 +47,8 @@ struct ExpressionNode {
   Function function = Function::Sin;
   Binding binding;
   double number = 0.0;
-  std::uint32_t depth = 1;  // of the tree below and including this node
+  std::uint32_t depth = 1;    // of the tree below and including this node
+  std::uint32_t nesting = 1;  // the same, but the left operands of operators do not count: 1 for a + b + c + d
   std::string text;
   std::vector<ExpressionIndex> children;
   core::SourceRange range;
@@ -168,6 +169,14 @@ struct ModelSyntax {
   std::uint64_t derivationLength = 1;
   std::vector<std::string> staticNames;  // production-local variables of all productions
 };
+
+/// The Binary nodes from `top` down the left operands, `top` first. A sum has as many as it has signs, so functions
+/// that call themselves for operands walk along this chain instead.
+[[nodiscard]] std::vector<ExpressionIndex> operatorChain(const ModelSyntax& model, ExpressionIndex top);
+
+/// The first node of an expression. The nodes of an expression stand side by side, operands before their operators, so
+/// all of them lie between this one and the top.
+[[nodiscard]] ExpressionIndex firstNode(const ModelSyntax& model, ExpressionIndex top);
 
 /// Source text for a message: runs of blanks and newlines become one blank, none at the ends.
 [[nodiscard]] std::string foldBlanks(std::string_view text);

@@ -524,11 +524,42 @@ TEST(Parser, NestingEndsAtALimit) {
             Messages{"3:17: " + message});
   EXPECT_EQ(messagesOf(model("A(n) --> B(------n)"), core::Compatibility::Espalier, limits),
             Messages{"3:17: " + message});
-  EXPECT_EQ(messagesOf(model("A(n) --> B(n+n+n+n+n+n)"), core::Compatibility::Espalier, limits),
+  EXPECT_EQ(messagesOf(model("A(n) --> B(n^(n*(n+(n==(n&&n)))))"), core::Compatibility::Espalier, limits),
             Messages{"3:12: " + message});
   EXPECT_EQ(messagesOf(model("A(n) : {if(n){if(n){if(n){if(n){if(n){n=1;}}}}}} * --> B"), core::Compatibility::Espalier,
                        limits)[0],
             "3:39: error: blocks are nested deeper than the limit expressionDepth (5)");
+}
+
+// the sum of `count` equal terms
+std::string sumOf(const std::string& term, int count) {
+  std::string sum = term;
+  for (int i = 1; i < count; ++i) {
+    sum += "+" + term;
+  }
+  return sum;
+}
+
+TEST(Parser, AChainOfOperatorsIsNotNested) {
+  const int count = 20'000;
+  const CompileResult sum = compileText(model("A(n) : " + sumOf("n", count) + " --> A(" + sumOf("n", count) + ")"));
+  ASSERT_NE(sum.program, nullptr);
+  EXPECT_EQ(sum.program->maximumStack, 2U);
+  const CompileResult constant = compileText(model("A(n) --> A(" + sumOf("1", count) + ")"));
+  ASSERT_NE(constant.program, nullptr);
+  EXPECT_EQ(constant.program->systems[0].productions.productions[0].expressions[0].constant, count);
+  EXPECT_NE(compileText("Lsystem: 1\nseed: " + sumOf("2*3", count) + "\nStart: {x = " + sumOf("(1-Q)", count) +
+                        ";}\nAxiom: A\nA --> A\nendlsystem\n")
+                .program,
+            nullptr);
+  core::Limits limits;
+  limits.maximumExpressionDepth = 5;
+  EXPECT_EQ(
+      messagesOf(model("A(n) --> B(" + sumOf("n", 251) + ")\nB(n) --> A(n)"), core::Compatibility::Espalier, limits),
+      Messages{});
+  EXPECT_EQ(messagesOf(model("A(n) --> B(" + sumOf("n", 252) + ")"), core::Compatibility::Espalier, limits),
+            Messages{"3:12: error: the expression has more than 250 operators in a row, 50 for each level of the limit "
+                     "expressionDepth (5) | assign parts of it to variables first"});
 }
 
 TEST(Parser, AModuleWithTooManyParametersEndsAtALimit) {
