@@ -254,7 +254,7 @@ void Rewriter::applyNested(const Production& production, const ProductionList& l
   levels_.clear();
   searchDepth_ = 0;
   apply(production, scratch_);
-  levels_.push_back({0, 0, 0, 0, scratch_.size(), depth});
+  levels_.push_back({0, 0, 0, 0, scratch_.size(), depth, &production});
   // the first level belongs to another list of productions than the levels below
   if (depth == 0) {
     random_->key(domain, step, index);
@@ -265,6 +265,14 @@ void Rewriter::applyNested(const Production& production, const ProductionList& l
 
 void Rewriter::rewriteLevels(const ProductionList& list, const ContextRules& rules, const Surroundings& surroundings,
                              bool dropsCut, ModuleString& output) {
+  const auto check = [&](const ModuleString& string, std::uint32_t depth, const Production& production) {
+    if (isTooLarge(string.size(), string.parameterCount())) {
+      failSize(string.size(),
+               dropsCut ? "the output of the homomorphism for this module, at depth " + std::to_string(depth) + ","
+                        : "the string",
+               dropsCut ? production.range : core::SourceRange{});
+    }
+  };
   std::uint64_t handled = 0;
   while (!levels_.empty()) {
     Level& level = levels_.back();
@@ -301,14 +309,14 @@ void Rewriter::rewriteLevels(const ProductionList& list, const ContextRules& rul
         const std::uint64_t first = scratch_.size();
         const std::uint64_t firstParameter = scratch_.parameterCount();
         apply(*production, scratch_);
-        checkSize(scratch_.size(), scratch_.parameterCount());
-        levels_.push_back({first, firstParameter, first, firstParameter, scratch_.size(), depth});
+        check(scratch_, level.depth, *production);
+        levels_.push_back({first, firstParameter, first, firstParameter, scratch_.size(), depth, production});
         continue;
       }
     }
     if (!(dropsCut && program_->nameOf(type) == "%")) {
       output.append(type, scratch_.parameters().subspan(level.offset, arity));
-      checkSize(output.size(), output.parameterCount());
+      check(output, level.depth, *level.production);
     }
     level.module += 1;
     level.offset += arity;
@@ -345,17 +353,23 @@ std::uint64_t Rewriter::parameterCount(const Production& production) const {
   return count;
 }
 
+bool Rewriter::isTooLarge(std::uint64_t moduleCount, std::uint64_t parameterCount) const {
+  return moduleCount > limits_->maximumModules || moduleCount * 2 + parameterCount * 8 > limits_->maximumStringBytes;
+}
+
 void Rewriter::checkSize(std::uint64_t moduleCount, std::uint64_t parameterCount) const {
-  if (moduleCount > limits_->maximumModules) {
-    evaluator_->failHere(
-        core::SimulationErrorCode::LimitExceeded,
-        "the string has more than " + std::to_string(limits_->maximumModules) + " modules (limit modules)");
+  if (isTooLarge(moduleCount, parameterCount)) {
+    failSize(moduleCount, "the string", {});
   }
-  if (moduleCount * 2 + parameterCount * 8 > limits_->maximumStringBytes) {
-    evaluator_->failHere(
-        core::SimulationErrorCode::LimitExceeded,
-        "the string needs more than " + std::to_string(limits_->maximumStringBytes) + " bytes (limit stringBytes)");
-  }
+}
+
+void Rewriter::failSize(std::uint64_t moduleCount, const std::string& what, core::SourceRange range) const {
+  evaluator_->failHere(
+      core::SimulationErrorCode::LimitExceeded,
+      moduleCount > limits_->maximumModules
+          ? what + " has more than " + std::to_string(limits_->maximumModules) + " modules (limit modules)"
+          : what + " needs more than " + std::to_string(limits_->maximumStringBytes) + " bytes (limit stringBytes)",
+      range);
 }
 
 void Rewriter::failWeights(const Production& production) const {

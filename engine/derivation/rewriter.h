@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -116,8 +117,9 @@ class Rewriter {
     std::uint64_t firstParameter = 0;
     std::uint64_t module = 0;  // next module
     std::uint64_t offset = 0;
-    std::uint64_t end = 0;    // modules of this level end here
-    std::uint32_t depth = 0;  // rewritings that made these modules
+    std::uint64_t end = 0;                             // modules of this level end here
+    std::uint32_t depth = 0;                           // rewritings that made these modules
+    const language::Production* production = nullptr;  // the last of them
   };
 
   [[nodiscard]] bool matches(const language::Production& production, const ContextRules& rules,
@@ -130,6 +132,9 @@ class Rewriter {
   bool recordCondition(const language::Production& production, double* frame, CandidateRecord& record);
   void warnAtDepth(const language::ProductionList& list, const ContextRules& rules, const PredecessorPlace& place,
                    const Surroundings& surroundings);
+  [[nodiscard]] bool isTooLarge(std::uint64_t moduleCount, std::uint64_t parameterCount) const;
+  /// `what` is too large: the string, or what one module became.
+  [[noreturn]] void failSize(std::uint64_t moduleCount, const std::string& what, core::SourceRange range) const;
   void appendSuccessor(const language::Production& production, double* frame, ModuleString& output);
   void rewriteLevels(const language::ProductionList& list, const ContextRules& rules, const Surroundings& surroundings,
                      bool dropsCut, ModuleString& output);

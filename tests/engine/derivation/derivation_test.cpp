@@ -335,6 +335,30 @@ TEST(Derivation, ExpandsHomomorphismsToTheMaximumDepth) {
   EXPECT_EQ(image(model, 1, 0), "F(4)F(3)F(2)A(1)GGG");
 }
 
+TEST(Derivation, AHomomorphismBombNamesItsProductionAndDepth) {
+  derivation::DerivationOptions options;
+  options.limits.maximumModules = 1000;
+  const std::string text = modelText("", "xA(2)", "x --> x\nhomomorphism\nmaximum depth: 30\nA(n) --> A(n)A(n+1)\n");
+  const auto messageOf = [&text](const derivation::DerivationOptions& limited) -> std::string {
+    DerivedModel model(text, limited);
+    try {
+      return image(model, 1, 0);
+    } catch (const core::SimulationFailure& failure) {
+      return failure.error().message;
+    }
+  };
+  EXPECT_EQ(
+      messageOf(options),
+      "step 1, plant 0, module 1 ('A', model.l:7:1): the output of the homomorphism for this module, at depth 30, "
+      "has more than 1000 modules (limit modules). The simulation stays at step 0.");
+  options.limits.maximumModules = 100'000;
+  options.limits.maximumStringBytes = 5000;
+  EXPECT_EQ(
+      messageOf(options),
+      "step 1, plant 0, module 1 ('A', model.l:7:1): the output of the homomorphism for this module, at depth 30, "
+      "needs more than 5000 bytes (limit stringBytes). The simulation stays at step 0.");
+}
+
 TEST(Derivation, HomomorphismSeesTheRealStringAndConsumesItsPredecessor) {
   DerivedModel model(
       modelText("", "ABBA", "x --> x\nhomomorphism\nmaximum depth: 2\nAB --> XB\nB < B --> F\nX > B --> Y\n"));
