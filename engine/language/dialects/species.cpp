@@ -50,7 +50,7 @@ struct SpeciesStatement {
   TextPiece line;
 };
 
-// the value of a line with a label; a line without a label continues the rules before it
+// the value of a line, or of a piece of one, with a label; a line without a label continues the rules before it
 std::optional<SpeciesStatement> statementOf(const TextPiece& line) {
   const TextPiece code = line.trimmed();
   for (const std::string_view word : kSpecies) {
@@ -72,6 +72,39 @@ std::optional<SpeciesStatement> statementOf(const TextPiece& line) {
   return std::nullopt;
 }
 
+// where a label begins behind a blank; npos: nowhere
+std::size_t findLabel(std::string_view code) {
+  for (std::size_t i = code.find_first_of(" \t"); i != std::string_view::npos; i = code.find_first_of(" \t", i + 1)) {
+    const std::string_view rest = code.substr(i + 1);
+    const std::string_view word = rest.substr(0, rest.find_first_of(" \t:"));
+    const std::size_t end = rest.find_first_not_of(" \t", word.size());
+    const bool isLabel =
+        std::any_of(kLabels.begin(), kLabels.end(), [&](const LabelName& label) { return label.name == word; });
+    if (isLabel && end != std::string_view::npos && rest[end] == ':') {
+      return i + 1;
+    }
+  }
+  return std::string_view::npos;
+}
+
+// the lines of a text; a line that begins with a label may hold others, as a row of the published table does
+std::vector<TextPiece> piecesOf(std::string_view text) {
+  std::vector<TextPiece> pieces;
+  for (TextPiece line : linesOf(text)) {
+    while (statementOf(line)) {
+      const TextPiece code = line.trimmed();
+      const std::size_t next = findLabel(code.text);
+      if (next == std::string_view::npos) {
+        break;
+      }
+      pieces.push_back(code.to(next));
+      line = code.from(next);
+    }
+    pieces.push_back(line);
+  }
+  return pieces;
+}
+
 struct Range {
   double least = 0.0;
   double most = 0.0;
@@ -85,7 +118,7 @@ class SpeciesReader {
     offset_ = begin;
     bool isInside = false;
     bool isInRules = false;
-    for (const TextPiece& line : linesOf(text_)) {
+    for (const TextPiece& line : piecesOf(text_)) {
       const TextPiece code = line.trimmed();
       const std::optional<SpeciesStatement> statement = statementOf(line);
       if (statement && statement->label == Label::Species) {
@@ -357,7 +390,7 @@ class SpeciesReader {
 bool recognisesSpecies(std::string_view text) {
   bool hasSpecies = false;
   bool hasRules = false;
-  for (const TextPiece& line : linesOf(text)) {
+  for (const TextPiece& line : piecesOf(text)) {
     if (const std::optional<SpeciesStatement> statement = statementOf(line)) {
       hasSpecies = hasSpecies || statement->label == Label::Species;
       hasRules = hasRules || statement->label == Label::Rules;
@@ -368,7 +401,7 @@ bool recognisesSpecies(std::string_view text) {
 
 std::vector<DialectEntry> speciesEntries(std::string_view text) {
   std::vector<DialectEntry> entries;
-  for (const TextPiece& line : linesOf(text)) {
+  for (const TextPiece& line : piecesOf(text)) {
     const std::optional<SpeciesStatement> statement = statementOf(line);
     if (statement && statement->label == Label::Species) {
       entries.push_back({std::string(statement->value.text), statement->line.offset});

@@ -47,6 +47,20 @@ TEST(Species, LabelsMayBeEnglish) {
             cpfgText(species("")));
 }
 
+TEST(Species, ALineMayHoldSeveralLabels) {
+  const std::string line = "Espécie 6 Variáveis: F Constantes: +, -, [, ] Axioma: F Regras: F -> F[+F]F, F -> F[-F]F\n";
+  EXPECT_EQ(cpfgText(line), cpfgText(species("")));
+  // several species, a line or some lines for each
+  const std::string table = "Espécie 1: Axioma: F\tRegras: F -> FF Passo: 2\n" + line + "Giro: 30\n";
+  ASSERT_EQ(speciesEntries(table).size(), 2U);
+  EXPECT_EQ(speciesEntries(table)[0].name, "1");
+  EXPECT_EQ(speciesEntries(table)[1].name, "6");
+  EXPECT_EQ(cpfgText(table, "6"), cpfgText(species("Giro: 30\n")));
+  EXPECT_TRUE(contains(cpfgText(table, "1"), "step = 2;"));
+  // a remark is left out as a whole
+  EXPECT_EQ(cpfgText(species("# Passo: 2 Giro: 30\n")), cpfgText(species("")));
+}
+
 TEST(Species, RulesThatCannotBeReachedAreReadAsTheAxioms) {
   const std::string text = "Espécie 4\nVariáveis: F, X\nAxioma: X\nRegras: F -> F[+X][-X]FX, F -> FF\n";
   EXPECT_TRUE(contains(cpfgText(text), "\nX --> F[+X][-X]FX\nF --> FF\n"));
