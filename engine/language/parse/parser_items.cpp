@@ -168,6 +168,10 @@ bool Parser::parseModuleDeclaration() {
       return false;
     }
   }
+  if (model_.symbols.declaredCount() >= kMostDeclaredNames) {
+    messages_.error(name.range, "the model declares more than " + std::to_string(kMostDeclaredNames) + " modules");
+    return false;
+  }
   core::SymbolId id = core::kNoSymbol;
   if (!model_.symbols.declare(std::move(symbol), &id)) {
     messages_.error(name.range, "the module '" + name.text + "' is declared twice");

@@ -1,6 +1,6 @@
 #include "engine/language/parse/symbol_table.h"
 
-#include <algorithm>
+#include <utility>
 
 namespace espalier::language {
 
@@ -14,34 +14,30 @@ core::SymbolId SymbolTable::internCharacter(char character) {
 }
 
 bool SymbolTable::declare(Symbol symbol, core::SymbolId* id) {
-  const bool isCharacter = symbol.name.size() == 1;
-  const auto known =
-      std::find_if(symbols_.begin(), symbols_.end(), [&](const Symbol& other) { return other.name == symbol.name; });
-  if (known != symbols_.end()) {
-    *id = static_cast<core::SymbolId>(known - symbols_.begin());
-    if (known->isDeclared) {
-      return false;
-    }
-    // the character was used before it was declared
-    *known = std::move(symbol);
+  if (const auto known = declared_.find(symbol.name); known != declared_.end()) {
+    *id = known->second;
+    return false;
+  }
+  if (symbol.name.size() == 1) {
+    // the character may be used already
+    *id = internCharacter(symbol.name[0]);
   } else {
     *id = static_cast<core::SymbolId>(symbols_.size());
-    if (isCharacter) {
-      characters_[static_cast<unsigned char>(symbol.name[0]) & 0x7FU] = *id;
-    }
-    symbols_.push_back(std::move(symbol));
+    symbols_.emplace_back();
   }
-  const auto place = std::find_if(declared_.begin(), declared_.end(), [&](core::SymbolId other) {
-    return symbols_[other].name.size() < symbols_[*id].name.size();
-  });
-  declared_.insert(place, *id);
+  declared_.emplace(symbol.name, *id);
+  declaredLengths_.insert(symbol.name.size());
+  symbols_[*id] = std::move(symbol);
   return true;
 }
 
 core::SymbolId SymbolTable::longestDeclared(std::string_view text) const {
-  const auto found = std::find_if(declared_.begin(), declared_.end(),
-                                  [&](core::SymbolId symbol) { return text.starts_with(symbols_[symbol].name); });
-  return found == declared_.end() ? core::kNoSymbol : *found;
+  for (const std::size_t length : declaredLengths_) {
+    if (const auto found = declared_.find(text.substr(0, length)); found != declared_.end()) {
+      return found->second;
+    }
+  }
+  return core::kNoSymbol;
 }
 
 core::ModuleTypeId SymbolTable::internType(core::SymbolId symbol, std::uint16_t arity) {

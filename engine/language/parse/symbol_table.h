@@ -1,7 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,6 +18,9 @@ namespace espalier::language {
 /// The only parameter name of a module that is declared with `(...)`: it has any number of parameters.
 inline constexpr std::string_view kAnyParameters = "...";
 
+/// Most declared names of a model: with the characters, their numbers fit into SymbolId.
+inline constexpr std::size_t kMostDeclaredNames = core::kNoSymbol - 128;
+
 /// Interns Symbols and module types while a model is read, in the order of their first use.
 class SymbolTable {
  public:
@@ -26,11 +32,13 @@ class SymbolTable {
   /// Declares a named module; false when the name is declared already. `*id` is its symbol in both cases.
   bool declare(Symbol symbol, core::SymbolId* id);
 
-  /// The longest declared name that `text` starts with, or kNoSymbol. O(declared names).
+  /// The longest declared name that `text` starts with, or kNoSymbol. O(lengths of names · log names).
   [[nodiscard]] core::SymbolId longestDeclared(std::string_view text) const;
 
   /// The type of (symbol, arity), or kNoModuleType when there are too many.
   core::ModuleTypeId internType(core::SymbolId symbol, std::uint16_t arity);
+
+  [[nodiscard]] std::size_t declaredCount() const { return declared_.size(); }
 
   [[nodiscard]] const std::vector<Symbol>& symbols() const { return symbols_; }
   [[nodiscard]] const std::vector<ModuleType>& types() const { return types_; }
@@ -39,8 +47,9 @@ class SymbolTable {
  private:
   std::vector<Symbol> symbols_;
   std::vector<ModuleType> types_;
-  std::array<core::SymbolId, 128> characters_{};  // symbol of each one-character name, or kNoSymbol
-  std::vector<core::SymbolId> declared_;          // longest name first
+  std::array<core::SymbolId, 128> characters_{};                 // symbol of each one-character name, or kNoSymbol
+  std::map<std::string, core::SymbolId, std::less<>> declared_;  // by name
+  std::set<std::size_t, std::greater<>> declaredLengths_;        // of the names
   std::map<std::pair<core::SymbolId, std::uint16_t>, core::ModuleTypeId> typeIndex_;
 };
 

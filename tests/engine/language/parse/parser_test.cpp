@@ -562,6 +562,28 @@ TEST(Parser, AChainOfOperatorsIsNotNested) {
                      "expressionDepth (5) | assign parts of it to variables first"});
 }
 
+TEST(Parser, AModelDeclaresAsManyModulesAsHaveNumbers) {
+  const auto declaring = [](std::size_t count) {
+    std::string text = "Module: N0";
+    for (std::size_t i = 1; i < count; ++i) {
+      text += ",N" + std::to_string(i);
+    }
+    return text + "\n" + model("A --> N" + std::to_string(count - 1) + "N1N", "AN10");
+  };
+  const CompileResult result = compileText(declaring(kMostDeclaredNames));
+  ASSERT_NE(result.program, nullptr);
+  const auto& axiom = result.program->systems[0].axiom;
+  ASSERT_EQ(axiom.size(), 2U);
+  EXPECT_EQ(result.program->nameOf(axiom[1].type), "N10");
+  const auto& successor = result.program->systems[0].productions.productions[0].successor;
+  ASSERT_EQ(successor.size(), 3U);
+  EXPECT_EQ(result.program->nameOf(successor[0].type), "N" + std::to_string(kMostDeclaredNames - 1));
+  EXPECT_EQ(result.program->nameOf(successor[2].type), "N");
+  const Messages messages = messagesOf(declaring(kMostDeclaredNames + 1));
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_TRUE(messages[0].ends_with("error: the model declares more than 65407 modules")) << messages[0];
+}
+
 TEST(Parser, AModuleWithTooManyParametersEndsAtALimit) {
   core::Limits limits;
   limits.maximumArity = 2;
