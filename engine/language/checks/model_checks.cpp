@@ -195,12 +195,10 @@ class Checks {
     if (expression == kNoExpression) {
       return;
     }
-    const ExpressionNode& node = model_.expressions[expression];
-    if (node.kind == ExpressionKind::Name) {
-      names.insert(node.text);
-    }
-    for (const ExpressionIndex child : node.children) {
-      collectNames(child, names);
+    for (ExpressionIndex i = firstNode(model_, expression); i <= expression; ++i) {
+      if (model_.expressions[i].kind == ExpressionKind::Name) {
+        names.insert(model_.expressions[i].text);
+      }
     }
   }
   void collectNames(const std::vector<Statement>& statements, std::set<std::string>& names) const {
