@@ -255,7 +255,7 @@ void lightStep(benchmark::State& state) {
       Counter(millisecondsOf([&] { plants = environment::surfacesOf(*queries.geometry, 5); }));
   const environment::LightSurfaces& surfaces = plants.surfaces;
   const double tree = millisecondsOf(
-      [&] { benchmark::DoNotOptimize(environment::RayCaster(surfaces.vertices, surfaces.triangles, {}, 2).margin()); });
+      [&] { benchmark::DoNotOptimize(environment::RayCaster(surfaces.vertices, surfaces.triangles, {}, {}, 2).margin()); });
   state.counters["tree ms"] = Counter(tree);
   environment::LeafLight light({.threads = 2});
   const double traced = millisecondsOf([&] { light.setScene(surfaces, {}, {{{0, 1, 0}, {800.0}}}); });

@@ -94,7 +94,7 @@ RenderScene::RenderScene(const turtle::PlacedScenes& placed) {
     corners_.clear();
   }
   lowest_ = corners_.empty() ? 0.0 : lowest;
-  rays_.emplace(places_, corners_, std::nullopt, meshes.team().size());
+  rays_.emplace(places_, corners_, std::nullopt, environment::RayCaster::middleOf(places_), meshes.team().size());
 }
 
 std::array<double, 3> RenderScene::weightsOf(std::uint32_t triangle, const Vec3& origin, const Vec3& direction,
@@ -153,7 +153,7 @@ Paint RenderScene::paintAt(std::uint32_t triangle, const std::array<double, 3>& 
 }
 
 std::optional<Meeting> RenderScene::meet(const Vec3& origin, const Vec3& direction) const {
-  const environment::RayCaster::Hit hit = rays_->firstHit(origin, direction);
+  const environment::RayCaster::Hit hit = rays_->firstHit(origin, direction, margin());
   if (hit.triangle == environment::RayCaster::kMiss) {
     return std::nullopt;
   }
@@ -183,11 +183,11 @@ std::optional<Meeting> RenderScene::meet(const Vec3& origin, const Vec3& directi
 
 double RenderScene::arriving(Vec3 origin, const Vec3& direction) const {
   if (!hasHoles_) {
-    return rays_->isFree(origin, direction) ? 1.0 : 0.0;
+    return rays_->isFree(origin, direction, margin()) ? 1.0 : 0.0;
   }
   double share = 1.0;
   for (int passed = 0; passed < kMostHoles && share > 0.01; ++passed) {
-    const environment::RayCaster::Hit hit = rays_->firstHit(origin, direction);
+    const environment::RayCaster::Hit hit = rays_->firstHit(origin, direction, margin());
     if (hit.triangle == environment::RayCaster::kMiss) {
       return share;
     }

@@ -80,7 +80,7 @@ struct LeafLight::Earlier {
 LeafLight::LeafLight(const Options& options)
     : options_(options),
       directions_(options.directions),
-      caster_({}, {}, options.repetition, options.threads),
+      caster_({}, {}, options.repetition, {}, options.threads),
       rowStart_{0} {}
 
 LeafLight::LeafLight(LightSurfaces surfaces, std::vector<std::uint32_t> wanted, std::vector<Sun> suns,
@@ -99,21 +99,25 @@ void LeafLight::setScene(LightSurfaces surfaces, std::vector<std::uint32_t> want
   const bool isSameScene = changes.isEmpty() && !surfaces.triangles.empty();
   const bool isMostlyKept = 2 * changes.changed.triangles.size() < surfaces.triangles.size();
   const double margin = caster_.margin();
+  const Vec3 middle = caster_.middle();
   std::swap(surfaces_, surfaces);
   if (!isSameScene) {
-    caster_ = RayCaster(surfaces_.vertices, surfaces_.triangles, options_.repetition, options_.threads);
+    caster_ = RayCaster(surfaces_.vertices, surfaces_.triangles, options_.repetition,
+                        RayCaster::middleOf(surfaces_.vertices), options_.threads);
     measure();
   }
   std::optional<Earlier> earlier;
-  if (isMostlyKept && caster_.margin() == margin) {
-    earlier.emplace(Earlier{{},
-                            RayCaster(changes.changed.vertices, changes.changed.triangles, options_.repetition, 1),
-                            std::move(rowOf_),
-                            std::move(rowStart_),
-                            std::move(hits_),
-                            std::move(isLit_),
-                            suns_.size(),
-                            {}});
+  // in a plot that repeats itself all rays have the same margin
+  if (isMostlyKept && caster_.middle() == middle && (!options_.repetition || caster_.margin() == margin)) {
+    earlier.emplace(
+        Earlier{{},
+                RayCaster(changes.changed.vertices, changes.changed.triangles, options_.repetition, middle, 1),
+                std::move(rowOf_),
+                std::move(rowStart_),
+                std::move(hits_),
+                std::move(isLit_),
+                suns_.size(),
+                {}});
     earlier->changes = std::move(changes);
     for (std::size_t i = 0; i < suns.size(); ++i) {
       earlier->isSameSun.push_back(i < suns_.size() && suns_[i].direction == suns[i].direction);
@@ -215,14 +219,15 @@ void LeafLight::inParallel(std::size_t count, const Work& work) const {
 
 std::uint64_t LeafLight::traceRow(std::uint32_t row, const Earlier* earlier) {
   const std::uint32_t triangle = wanted_[row];
-  const RayStarts starts(surfaces_, triangle, normals_[triangle], caster_.margin());
+  const double margin = caster_.marginOf(triangle);
+  const RayStarts starts(surfaces_, triangle, normals_[triangle], margin);
   // the row of the same triangle in the scene before
   std::uint32_t before = RayCaster::kMiss;
   if (earlier != nullptr && earlier->changes.earlierOf[triangle] != SurfaceChanges::kNone) {
     before = earlier->rowOf[earlier->changes.earlierOf[triangle]];
   }
   const auto isKept = [&](const Vec3& start, const Vec3& direction) {
-    return earlier->changes.isEmpty() || earlier->changed.isFree(start, direction);
+    return earlier->changes.isEmpty() || earlier->changed.isFree(start, direction, margin);
   };
   std::uint64_t kept = 0;
   const auto gathering = gatheringOf(triangle);
@@ -236,7 +241,7 @@ std::uint64_t LeafLight::traceRow(std::uint32_t row, const Earlier* earlier) {
   }
   for (std::size_t i = isRowKept ? count : 0; i < count; ++i) {
     const bool isGathering = i < gathering.count;
-    const bool hasHit = isGathering ? options_.keepsHits && !options_.settles : true;
+    const bool hasHit = isGathering ? gathersFromSurfaces(triangle) : true;
     const Vec3& direction = directions_.all()[isGathering ? gathering.begin + i : sending.begin + i - gathering.count];
     const Vec3 start = starts.of(i, direction);
     if (before != RayCaster::kMiss && isKept(start, direction)) {
@@ -245,9 +250,9 @@ std::uint64_t LeafLight::traceRow(std::uint32_t row, const Earlier* earlier) {
       hits[i] = hit == kSky || !hasHit ? hit : 2 * earlier->changes.laterOf[hit / 2] + hit % 2;
       ++kept;
     } else if (!hasHit) {
-      hits[i] = caster_.isFree(start, direction) ? kSky : 0U;
+      hits[i] = caster_.isFree(start, direction, margin) ? kSky : 0U;
     } else {
-      const RayCaster::Hit hit = caster_.firstHit(start, direction);
+      const RayCaster::Hit hit = caster_.firstHit(start, direction, margin);
       hits[i] = hit.triangle == RayCaster::kMiss ? kSky : 2 * hit.triangle + (hit.isFront ? 0U : 1U);
     }
   }
@@ -259,7 +264,7 @@ std::uint64_t LeafLight::traceRow(std::uint32_t row, const Earlier* earlier) {
       isLit = earlier->isLit[before * earlier->sunCount + i];
       ++kept;
     } else {
-      isLit = caster_.isFree(start, direction) ? 1 : 0;
+      isLit = caster_.isFree(start, direction, margin) ? 1 : 0;
     }
   }
   return kept;
@@ -267,12 +272,19 @@ std::uint64_t LeafLight::traceRow(std::uint32_t row, const Earlier* earlier) {
 
 std::vector<double> LeafLight::irradiances(std::size_t band, const std::vector<double>& sky,
                                            const std::vector<LightMaterial>& materials,
-                                           const std::vector<double>& emitted, int bounces) const {
+                                           const std::vector<double>& emitted, int bounces,
+                                           std::vector<double>* sent) const {
   const std::size_t sides = 2 * surfaces_.triangles.size();
   std::vector<double> total(sides, 0.0);
+  if (sent != nullptr) {
+    sent->assign(sides, 0.0);
+  }
   std::vector<double> exitance = emitted;  // of the sides, for the next round; empty: none
   for (int bounce = 0; bounce <= bounces; ++bounce) {
     std::vector<double> gathered(sides, 0.0);
+    for (std::size_t side = 0; sent != nullptr && side < exitance.size(); ++side) {
+      (*sent)[side] += exitance[side];
+    }
     inParallel(wanted_.size(), [&](std::size_t row) {
       const std::uint32_t triangle = wanted_[row];
       const std::uint32_t* hits = hits_.data() + rowStart_[row];
@@ -310,8 +322,10 @@ std::vector<double> LeafLight::irradiances(std::size_t band, const std::vector<d
   return total;
 }
 
-double LeafLight::irradianceAt(const Vec3& point, const Vec3& normal, std::size_t band,
-                               const std::vector<double>& sky) const {
+double LeafLight::irradianceAt(const Vec3& point, const Vec3& normal, std::size_t band, const std::vector<double>& sky,
+                               const std::vector<double>& sent) const {
+  // a sensor may lie on a surface
+  const double margin = caster_.margin();
   double light = 0.0;
   double weights = 0.0;
   const RayDirections::Lattice lattice = directions_.latticeOf(0, 0);
@@ -320,13 +334,20 @@ double LeafLight::irradianceAt(const Vec3& point, const Vec3& normal, std::size_
     const double cosine = core::dot(direction, normal);
     if (cosine > 0.0) {
       weights += cosine;
-      light += caster_.isFree(point, direction) ? cosine * sky[i] : 0.0;
+      if (sent.empty()) {
+        light += caster_.isFree(point, direction, margin) ? cosine * sky[i] : 0.0;
+        continue;
+      }
+      const RayCaster::Hit hit = caster_.firstHit(point, direction, margin);
+      light += cosine * (hit.triangle == RayCaster::kMiss
+                             ? sky[i]
+                             : sent[2 * std::size_t{hit.triangle} + (hit.isFront ? 0U : 1U)] / pi);
     }
   }
   double sum = weights > 0.0 ? pi * light / weights : 0.0;
   for (const Sun& sun : suns_) {
     const double cosine = core::dot(sun.direction, normal);
-    if (cosine > 0.0 && caster_.isFree(point, sun.direction)) {
+    if (cosine > 0.0 && caster_.isFree(point, sun.direction, margin)) {
       sum += cosine * sun.irradiance[band];
     }
   }

@@ -45,7 +45,9 @@ class LeafLight {
 
   /// The light of one band when almost nothing is left of it.
   struct Balance {
-    std::vector<double> irradiances;  // as irradiances() gives them
+    std::vector<double> irradiances;  // as irradiances() gives them; they balance
+    std::vector<double> gathered;     // the same, but organs gather scattered light
+    std::vector<double> sent;         // radiant exitance of each side
     double leavingUp = 0.0;           // scattered power that goes to the sky
     double leavingDown = 0.0;         // and past everything downwards
   };
@@ -65,23 +67,27 @@ class LeafLight {
 
   /// Irradiances of the two sides of every triangle in one band (2 · triangles; front first: the side from which the
   /// corners run counterclockwise), with so many bounces. `sky` has the radiance by direction, `materials` those of the
-  /// band, `emitted` the radiant exitance of each side (empty: none). O(bounces · rays).
+  /// band, `emitted` the radiant exitance of each side (empty: none). `sent`, if given, receives all exitances that
+  /// were gathered. O(bounces · rays).
   [[nodiscard]] std::vector<double> irradiances(std::size_t band, const std::vector<double>& sky,
                                                 const std::vector<LightMaterial>& materials,
-                                                const std::vector<double>& emitted, int bounces) const;
+                                                const std::vector<double>& emitted, int bounces,
+                                                std::vector<double>* sent = nullptr) const;
 
   /// Irradiances with as many bounces as it takes until a part `remainder` (above 0) of the light that came in is left.
   /// Scattered light is sent out, not gathered, so that none is lost or made: what comes in, what is absorbed and what
-  /// leaves balance up to the remainder. Needs `settles` and the rays of all triangles. One thread adds the sums in a
-  /// fixed order. O(bounces · rays). `incoming` is for a scene with a ground under a plot that repeats itself: the
-  /// power of the band that comes in over the plot, all of which meets a plant or the ground.
+  /// leaves balance up to the remainder. But few of these rays meet a small organ; in the end each organ gathers what
+  /// the surfaces around it send (final gathering; Reichert 1992). Needs `settles` and the rays of all triangles. One
+  /// thread adds the sums in a fixed order. O(bounces · rays). `incoming` is for a scene with a ground under a plot
+  /// that repeats itself: the power of the band that comes in over the plot, all of which meets a plant or the ground.
   [[nodiscard]] Balance settle(std::size_t band, const std::vector<double>& sky,
                                const std::vector<LightMaterial>& materials, double remainder, const core::Vec3& up,
                                const std::optional<double>& incoming) const;
 
-  /// Irradiance of a plane facing `normal` at a point, from the sky and the suns only. Its rays are not kept.
+  /// Irradiance of a plane facing `normal` at a point, from the sky, the suns and the sides of triangles with their
+  /// radiant exitance `sent` (empty: none). Its rays are not kept.
   [[nodiscard]] double irradianceAt(const core::Vec3& point, const core::Vec3& normal, std::size_t band,
-                                    const std::vector<double>& sky) const;
+                                    const std::vector<double>& sky, const std::vector<double>& sent) const;
 
   [[nodiscard]] double areaOf(std::size_t triangle) const { return areas_[triangle]; }
   /// Rays of the scene, and how many of them were kept from the one before.
@@ -94,11 +100,17 @@ class LeafLight {
 
   void measure();
   void giveTheGroundTheRest(double incoming, const core::Vec3& up, std::vector<double>& irradiances) const;
+  void gather(std::size_t band, const std::vector<double>& sky, const std::vector<LightMaterial>& materials,
+              double leastChange, Balance& balance) const;
   void shoot(std::size_t row, const std::vector<double>& power, const core::Vec3& up, std::vector<double>& arrived,
              Balance& balance) const;
   /// The directions along which a triangle gathers light, and those along which settle() sends it.
   [[nodiscard]] RayDirections::Lattice gatheringOf(std::uint32_t triangle) const;
   [[nodiscard]] RayDirections::Lattice sendingOf(std::uint32_t triangle) const;
+  /// Whether the rays that gather know what they meet. With `settles` the ground takes what is sent to it.
+  [[nodiscard]] bool gathersFromSurfaces(std::uint32_t triangle) const {
+    return options_.keepsHits && (!options_.settles || triangle < surfaces_.groundBegin);
+  }
   void listRows(std::vector<std::uint32_t> wanted);
   [[nodiscard]] std::vector<std::uint32_t> rowsInSpace() const;
   /// Traces a row; how many of its rays were kept.

@@ -52,7 +52,33 @@ LeafLight::Balance LeafLight::settle(std::size_t band, const std::vector<double>
     }
     left = scatter(arrived);
   }
+  gather(band, sky, materials, remainder * first, balance);
   return balance;
+}
+
+/// Lets the organs gather what the sides of all triangles send, until what they send themselves has changed by less
+/// than a power.
+void LeafLight::gather(std::size_t band, const std::vector<double>& sky, const std::vector<LightMaterial>& materials,
+                       double leastChange, Balance& balance) const {
+  const std::size_t organSides = 2 * std::min(surfaces_.groundBegin, surfaces_.triangles.size());
+  balance.gathered = balance.irradiances;
+  balance.sent.resize(balance.irradiances.size());
+  double change = HUGE_VAL;
+  for (int round = 0; round < kMostRounds && change > leastChange; ++round) {
+    for (std::size_t side = 0; side < balance.sent.size(); ++side) {
+      const LightMaterial& material = materials[surfaces_.material[side / 2]];
+      balance.sent[side] =
+          material.reflectance * balance.gathered[side] + material.transmittance * balance.gathered[side ^ 1U];
+    }
+    const std::vector<double> now = irradiances(band, sky, materials, balance.sent, 0);
+    change = 0.0;
+    for (std::size_t side = 0; side < organSides; ++side) {
+      const LightMaterial& material = materials[surfaces_.material[side / 2]];
+      change += std::abs(now[side] - balance.gathered[side]) * areas_[side / 2] *
+                (material.reflectance + material.transmittance);
+      balance.gathered[side] = now[side];
+    }
+  }
 }
 
 /// The incoming light that the plants leave falls on the ground, spread as its own rays say: many leaves know it better

@@ -190,6 +190,7 @@ class Light final : public turtle::EnvironmentProcess {
   struct Lit {
     const LeafLight* light = nullptr;
     std::vector<std::vector<double>> irradiances;  // of the sides of all triangles, by band
+    std::vector<std::vector<double>> sent;         // radiant exitance of the sides, by band; empty: nothing scatters
     std::vector<std::vector<double>> skies;        // radiance by direction, by band
     std::vector<Fluxes> fluxes;                    // by band; empty: not known
   };
@@ -264,10 +265,13 @@ class Light final : public turtle::EnvironmentProcess {
           complete(fluxes, balance, light, plants.surfaces, materials, groundBegin);
           lit.fluxes.push_back(fluxes);
         }
-        lit.irradiances.push_back(std::move(balance.irradiances));
+        lit.irradiances.push_back(std::move(balance.gathered));
+        lit.sent.push_back(std::move(balance.sent));
       } else {
-        lit.irradiances.push_back(
-            light.irradiances(band, sky, materials, {}, static_cast<int>(configuration_.integer("bounces"))));
+        lit.irradiances.push_back(light.irradiances(band, sky, materials, {},
+                                                    static_cast<int>(configuration_.integer("bounces")),
+                                                    scatters() ? &lit.sent.emplace_back() : nullptr));
+        lit.sent.resize(band + 1);
       }
       lit.skies.push_back(std::move(sky));
     }
@@ -530,7 +534,7 @@ class Light final : public turtle::EnvironmentProcess {
         const Fluxes& fluxes = fluxes_[band];
         values = {fluxes.up, fluxes.down, fluxes.byPlants, fluxes.byGround};
       } else if (begin == end) {
-        values[2] = lit.light->irradianceAt(queries.position[query], up_, band, lit.skies[band]);
+        values[2] = lit.light->irradianceAt(queries.position[query], up_, band, lit.skies[band], lit.sent[band]);
       }
       for (std::size_t k = 0; k < std::min<std::size_t>(count - 4 * band, 4); ++k) {
         replies.set(queries, query, 4 * band + k, values[k] * unit);

@@ -121,6 +121,15 @@ void keepAny(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
+/// A length that single precision resolves at places up to so far from its zero.
+double resolvedAt(double largest) {
+  return core::exp2(std::ceil(core::log2(2e-6 * std::max(largest, 1e-20))));
+}
+
+double largestOf(const Vec3& place) {
+  return std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
+}
+
 }  // namespace
 
 struct RayCaster::Tree {
@@ -133,6 +142,7 @@ struct RayCaster::Tree {
   double lowest = 0.0;  // along the third axis
   double highest = 0.0;
   double margin = 1e-6;
+  Vec3 middle;
 
   [[nodiscard]] HitContext context() const {
     HitContext made;
@@ -151,13 +161,46 @@ struct RayCaster::Tree {
   }
 };
 
+Vec3 RayCaster::middleOf(std::span<const Vec3> vertices) {
+  constexpr double kFar = 16.0;  // sizes of the scene from 0: four of the 24 binary digits are then lost
+  std::array<double, 3> low{HUGE_VAL, HUGE_VAL, HUGE_VAL};
+  std::array<double, 3> high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  for (const Vec3& vertex : vertices) {
+    const auto place = componentsOf(vertex);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], place[axis]);
+      high[axis] = std::max(high[axis], place[axis]);
+    }
+  }
+  const double size = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+  std::array<double, 3> middle{};
+  for (std::size_t axis = 0; axis < 3 && size > 0.0; ++axis) {
+    if (std::max(-low[axis], high[axis]) > kFar * size) {
+      // multiples of a power of two, which a growing scene seldom leaves
+      const double step = 4.0 * core::exp2(std::ceil(core::log2(size)));
+      middle[axis] = step * std::floor(low[axis] / step + 0.5);
+    }
+  }
+  return {middle[0], middle[1], middle[2]};
+}
+
 RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<std::uint32_t, 3>> triangles,
-                     const std::optional<Repetition>& repetition, unsigned threads,
+                     const std::optional<Repetition>& givenRepetition, const Vec3& middle, unsigned threads,
                      const std::string& widestInstructions)
     : tree_(std::make_unique<Tree>()) {
   Tree& tree = *tree_;
-  tree.repetition = repetition;
+  tree.middle = middle;
+  std::optional<Repetition>& repetition = tree.repetition;
+  repetition = givenRepetition;
   std::vector<Vec3> places(vertices.begin(), vertices.end());
+  for (Vec3& place : places) {
+    place = place - middle;
+  }
+  for (std::size_t k = 0; repetition && k < 2; ++k) {
+    const double own = componentsOf(middle)[static_cast<std::size_t>(repetition->axes[k])];
+    repetition->low[k] -= own;
+    repetition->high[k] -= own;
+  }
   std::vector<std::array<std::uint32_t, 3>> corners(triangles.begin(), triangles.end());
   if (repetition) {
     // triangles beyond the plot come in on the other side: copies of the triangles that reach into the plot
@@ -172,8 +215,8 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
         double low = HUGE_VAL;
         double high = -HUGE_VAL;
         for (const std::uint32_t corner : triangles[i]) {
-          low = std::min(low, componentsOf(vertices[corner])[axis]);
-          high = std::max(high, componentsOf(vertices[corner])[axis]);
+          low = std::min(low, componentsOf(places[corner])[axis]);
+          high = std::max(high, componentsOf(places[corner])[axis]);
         }
         const double width = repetition->high[k] - repetition->low[k];
         shifts[k] = {static_cast<int>(std::ceil((repetition->low[k] - high) / width)),
@@ -188,7 +231,8 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
           std::array<std::uint32_t, 3> copy{};
           for (std::size_t corner = 0; corner < 3; ++corner) {
             copy[corner] = static_cast<std::uint32_t>(places.size());
-            places.push_back(vertices[triangles[i][corner]] + Vec3{shift[0], shift[1], shift[2]});
+            const Vec3 place = places[triangles[i][corner]];
+            places.push_back(place + Vec3{shift[0], shift[1], shift[2]});
           }
           if (isFirst) {
             corners[i] = copy;
@@ -201,16 +245,16 @@ RayCaster::RayCaster(std::span<const Vec3> vertices, std::span<const std::array<
       }
     }
   }
-  double largest = 1e-20;
+  double largest = 0.0;
   const std::size_t upright = repetition ? static_cast<std::size_t>(3 - repetition->axes[0] - repetition->axes[1]) : 1;
   tree.lowest = HUGE_VAL;
   tree.highest = -HUGE_VAL;
   for (const Vec3& place : places) {
-    largest = std::max({largest, std::abs(place.x), std::abs(place.y), std::abs(place.z)});
+    largest = std::max(largest, largestOf(place));
     tree.lowest = std::min(tree.lowest, componentsOf(place)[upright]);
     tree.highest = std::max(tree.highest, componentsOf(place)[upright]);
   }
-  tree.margin = core::exp2(std::ceil(core::log2(2e-6 * largest)));
+  tree.margin = resolvedAt(largest);
   if (corners.empty()) {
     return;
   }
@@ -257,8 +301,24 @@ double RayCaster::margin() const {
   return tree_->margin;
 }
 
+const Vec3& RayCaster::middle() const {
+  return tree_->middle;
+}
+
+double RayCaster::marginOf(std::uint32_t triangle) const {
+  if (tree_->repetition || tree_->scene == nullptr) {
+    return tree_->margin;
+  }
+  double largest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float* place = tree_->vertices + std::size_t{3} * tree_->corners[std::size_t{3} * triangle + k];
+    largest = std::max(largest, largestOf({place[0], place[1], place[2]}));
+  }
+  return resolvedAt(largest);
+}
+
 template <typename Cast>
-RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, const Cast& cast) const {
+RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, double margin, const Cast& cast) const {
   const Repetition& repetition = *tree_->repetition;
   auto place = componentsOf(origin);
   const auto way = componentsOf(direction);
@@ -276,7 +336,7 @@ RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, 
                          ? 0.0
                          : ((way[upright] > 0.0 ? tree_->highest : tree_->lowest) - place[upright]) / way[upright];
   constexpr int kMostBorders = 10'000'000;  // a ray that is nearly level passes more of a narrow plot than are computed
-  double from = tree_->margin;
+  double from = margin;
   double passed = 0.0;
   for (int plots = 0; passed <= end && plots < kMostBorders; ++plots) {
     if (plots % 1024 == 1023) {
@@ -295,7 +355,7 @@ RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, 
         }
       }
     }
-    const double length = std::min(nearest, end - passed + 2.0 * tree_->margin);
+    const double length = std::min(nearest, end - passed + 2.0 * margin);
     const Hit hit = cast(Vec3{place[0], place[1], place[2]}, from, length);
     if (hit.triangle != kMiss || nearest == HUGE_VAL) {
       return hit;
@@ -311,7 +371,8 @@ RayCaster::Hit RayCaster::alongPlots(const Vec3& origin, const Vec3& direction, 
   return {};
 }
 
-RayCaster::Hit RayCaster::firstHit(const Vec3& origin, const Vec3& direction) const {
+RayCaster::Hit RayCaster::firstHit(const Vec3& from, const Vec3& direction, double margin) const {
+  const Vec3 origin = from - tree_->middle;
   if (tree_->scene == nullptr || !isNear(origin)) {
     return {};
   }
@@ -319,26 +380,27 @@ RayCaster::Hit RayCaster::firstHit(const Vec3& origin, const Vec3& direction) co
   ray.ray = rayAlong(direction);
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   HitContext context = tree_->context();
-  const auto cast = [&](const Vec3& place, double from, double to) {
-    start(ray.ray, context, place, from, to);
+  const auto cast = [&](const Vec3& place, double begin, double end) {
+    start(ray.ray, context, place, begin, end);
     rtcIntersect1(tree_->scene, &context.embree, &ray);
     return Hit{context.triangle, context.isFront};
   };
-  return tree_->repetition ? alongPlots(origin, direction, cast) : cast(origin, tree_->margin, HUGE_VAL);
+  return tree_->repetition ? alongPlots(origin, direction, margin, cast) : cast(origin, margin, HUGE_VAL);
 }
 
-bool RayCaster::isFree(const Vec3& origin, const Vec3& direction) const {
+bool RayCaster::isFree(const Vec3& from, const Vec3& direction, double margin) const {
+  const Vec3 origin = from - tree_->middle;
   if (tree_->scene == nullptr || !isNear(origin)) {
     return true;
   }
   RTCRay ray = rayAlong(direction);
   HitContext context = tree_->context();
-  const auto cast = [&](const Vec3& place, double from, double to) {
-    start(ray, context, place, from, to);
+  const auto cast = [&](const Vec3& place, double begin, double end) {
+    start(ray, context, place, begin, end);
     rtcOccluded1(tree_->scene, &context.embree, &ray);
     return ray.tfar < 0.0F ? Hit{0, false} : Hit{};
   };
-  return (tree_->repetition ? alongPlots(origin, direction, cast) : cast(origin, tree_->margin, HUGE_VAL)).triangle ==
+  return (tree_->repetition ? alongPlots(origin, direction, margin, cast) : cast(origin, margin, HUGE_VAL)).triangle ==
          kMiss;
 }
 

@@ -25,10 +25,15 @@ class RayCaster {
     std::array<double, 2> low{}, high{};  // of the plot along these
   };
 
-  /// `threads` build the tree. `widestInstructions` are Embree's (sse2, sse4.2, avx): hits do not depend on them. Wider
-  /// ones than avx have fused multiply-add, which decides some rays at edges otherwise. O(n log n).
+  /// A place in or near a scene that is far from 0 beside its size; 0 along the axes where it is not far. The same for
+  /// scenes that differ little. O(vertices).
+  [[nodiscard]] static core::Vec3 middleOf(std::span<const core::Vec3> vertices);
+
+  /// `middle`: of the scene, from which single precision counts. `threads` build the tree. `widestInstructions` are
+  /// Embree's (sse2, sse4.2, avx): hits do not depend on them. Wider ones than avx have fused multiply-add, which
+  /// decides some rays at edges otherwise. O(n log n).
   RayCaster(std::span<const core::Vec3> vertices, std::span<const std::array<std::uint32_t, 3>> triangles,
-            const std::optional<Repetition>& repetition, unsigned threads,
+            const std::optional<Repetition>& repetition, const core::Vec3& middle, unsigned threads,
             const std::string& widestInstructions = "avx");
   ~RayCaster();
   RayCaster(RayCaster&&) noexcept;
@@ -41,18 +46,22 @@ class RayCaster {
   };
   /// The first triangle on a ray, of equally near ones that with the smallest number, so that a hit does not depend on
   /// how the tree was built. `direction` is a unit vector, not horizontal when the plot repeats itself. Hits nearer
-  /// than margin() are left out. May be called by several threads.
-  [[nodiscard]] Hit firstHit(const core::Vec3& origin, const core::Vec3& direction) const;
+  /// than `margin` are left out. May be called by several threads.
+  [[nodiscard]] Hit firstHit(const core::Vec3& origin, const core::Vec3& direction, double margin) const;
   /// Whether a ray meets no triangle. Faster than the first hit.
-  [[nodiscard]] bool isFree(const core::Vec3& origin, const core::Vec3& direction) const;
-  /// The distance from a surface at which its rays start: a length that single precision resolves everywhere in the
-  /// scene. It is a power of two, so it stays the same while a scene grows little.
+  [[nodiscard]] bool isFree(const core::Vec3& origin, const core::Vec3& direction, double margin) const;
+  /// The distance from a triangle at which its rays start: a length that single precision resolves there, also when
+  /// other parts of the scene are far away. It is a power of two. In a plot that repeats itself it is margin().
+  [[nodiscard]] double marginOf(std::uint32_t triangle) const;
+  /// A length that single precision resolves everywhere in the scene, a power of two.
   [[nodiscard]] double margin() const;
+  [[nodiscard]] const core::Vec3& middle() const;
 
  private:
   struct Tree;
   template <typename Cast>
-  [[nodiscard]] Hit alongPlots(const core::Vec3& origin, const core::Vec3& direction, const Cast& cast) const;
+  [[nodiscard]] Hit alongPlots(const core::Vec3& origin, const core::Vec3& direction, double margin,
+                               const Cast& cast) const;
 
   std::unique_ptr<Tree> tree_;
 };

@@ -306,6 +306,51 @@ TEST(LeafLight, ASceneThatFollowsAnotherHasTheLightOfANewOneBitByBit) {
   }
 }
 
+TEST(LeafLight, ASceneFarAwayThatFollowsAnotherSettlesAsANewOneBitByBit) {
+  LeafLight::Options options{.directions = 64, .settles = true, .threads = 2};
+  std::mt19937_64 random(7);
+  LeafLight following(options);
+  LightSurfaces scene = canopy(2, 200, 3);
+  for (core::Vec3& vertex : scene.vertices) {
+    vertex = vertex + core::Vec3{500'000, 0, -5'300'000};
+  }
+  std::uint64_t kept = 0;
+  for (int step = 0; step < 4; ++step) {
+    scene = step == 0 ? scene : nextScene(scene, random);
+    const std::vector<LeafLight::Sun> suns{{{0.48, 0.8, 0.36}, {100}}};
+    following.setScene(scene, {}, suns);
+    const LeafLight fresh(scene, {}, suns, options);
+    const std::vector<double> sky = skyOf(fresh, 1.0);
+    const auto one = following.settle(0, sky, {{0.5, 0.3}}, 1e-3, {0, 1, 0}, std::nullopt);
+    const auto other = fresh.settle(0, sky, {{0.5, 0.3}}, 1e-3, {0, 1, 0}, std::nullopt);
+    EXPECT_EQ(one.gathered, other.gathered) << step;
+    EXPECT_EQ(one.irradiances, other.irradiances) << step;
+    kept += following.keptCount();
+  }
+  EXPECT_GT(kept, following.rayCount());
+}
+
+TEST(LeafLight, ALeafShadesAnotherWhereverTheyAreAndWhateverIsFarAway) {
+  // two leaves 1 cm apart, and a third one that is far from both
+  for (const double x : {0.0, 1'000.0, 500'000.0}) {
+    for (const double away : {10.0, 10'000.0, 1e6}) {
+      if (x > 0.0 && away > 10.0) {
+        continue;
+      }
+      LightSurfaces leaves;
+      for (const double height : {1.0, 1.01}) {
+        addTriangle(leaves, {x, height, 0}, {x, height, 1}, {x + 1, height, 0});
+      }
+      addTriangle(leaves, {x + away, 1, 0}, {x + away, 1, 1}, {x + away + 1, 1, 0});
+      const LeafLight light(leaves, {}, {{{0, 1, 0}, {100}}}, {.directions = 16});
+      const auto found = light.irradiances(0, skyOf(light, 0.0), {{0, 0}}, {}, 0);
+      EXPECT_EQ(found[0] + found[1], 0.0) << x << " " << away;
+      EXPECT_NEAR(found[2] + found[3], 100.0, 1e-9) << x << " " << away;
+      EXPECT_NEAR(found[4] + found[5], 100.0, 1e-9) << x << " " << away;
+    }
+  }
+}
+
 TEST(LeafLight, OfTrianglesThatLieInEachOtherTheFirstIsMet) {
   // whatever else there is: the tree over the triangles is another one with every number of leaves around
   for (const int others : {0, 3, 50, 400}) {
@@ -316,9 +361,9 @@ TEST(LeafLight, OfTrianglesThatLieInEachOtherTheFirstIsMet) {
     for (int k = 0; k < 5; ++k) {
       addTriangle(leaves, {0, 1, 0}, {0, 1, 1}, {1, 1, 0});
     }
-    const RayCaster caster(leaves.vertices, leaves.triangles, std::nullopt, 1);
-    const RayCaster::Hit below = caster.firstHit({0.2, 0, 0.2}, {0, 1, 0});
-    const RayCaster::Hit above = caster.firstHit({0.2, 2, 0.2}, {0, -1, 0});
+    const RayCaster caster(leaves.vertices, leaves.triangles, std::nullopt, {}, 1);
+    const RayCaster::Hit below = caster.firstHit({0.2, 0, 0.2}, {0, 1, 0}, caster.margin());
+    const RayCaster::Hit above = caster.firstHit({0.2, 2, 0.2}, {0, -1, 0}, caster.margin());
     EXPECT_EQ(below.triangle, leaves.triangles.size() - 5);
     EXPECT_FALSE(below.isFront);
     EXPECT_EQ(above.triangle, leaves.triangles.size() - 5);

@@ -159,6 +159,24 @@ TEST(Light, WithoutAnOrganBehindItAQueryIsASensor) {
   EXPECT_NEAR(*open[2], 600, 1e-9);
 }
 
+TEST(Light, ASmallOrganAndASensorGetTheLightThatALargeOneScatters) {
+  // under a white screen that lets half of the light through, which fills the plot; its rays hardly ever meet the leaf
+  for (const char* way : {R"("remainder":1e-3)", R"("bounces":5)"}) {
+    const auto process = openProcess(
+        "light",
+        std::string(R"({"sun":"direction","sunDirection":[0,1,0],"directIrradiance":200,"diffuseIrradiance":0,)"
+                    R"("plot":[0,2,0,2],"materials":[[1,0,0.5],[2,0,0]],)") +
+            way + "}");
+    LeafScene scene;
+    // two triangles are a square
+    scene.leaf({0, 60, 0}, 4, 1).leaf({0.9, 40, 0.9}, 0.02, 2);
+    const auto table = scene.answers(*process, 4, 99);
+    EXPECT_NEAR(*table[1][2], 100, 0.5) << way;
+    // the query is 10 below the screen
+    EXPECT_NEAR(*table[2][2], 100, 0.5) << way;
+  }
+}
+
 TEST(Light, TheSunOfADayIsItsMean) {
   // on the equator at the equinox, without air, a horizontal plane gets S/π in the mean of the day
   turtle::EnvironmentContext context;

@@ -45,7 +45,7 @@ std::vector<std::uint32_t> hitsOf(const Mesh& mesh, const std::string& instructi
   if (isRepeated) {
     repetition = RayCaster::Repetition{{0, 2}, {0, 0}, {5.9, 5.9}};
   }
-  const RayCaster caster(mesh.vertices, mesh.triangles, repetition, 1, instructions);
+  const RayCaster caster(mesh.vertices, mesh.triangles, repetition, {}, 1, instructions);
   std::mt19937 random(9);
   const auto uniform = [&] { return static_cast<double>(random() >> 5U) * 0x1p-27; };
   std::vector<std::uint32_t> hits;
@@ -56,9 +56,9 @@ std::vector<std::uint32_t> hitsOf(const Mesh& mesh, const std::string& instructi
                      : i % 4 == 1 ? 0.5 * (mesh.vertices[corners[0]] + mesh.vertices[corners[2]])
                                   : Vec3{6.0 * uniform(), 0.0, 6.0 * uniform()};
     const Vec3 direction = core::normalised(aim - origin);
-    const RayCaster::Hit hit = caster.firstHit(origin, direction);
+    const RayCaster::Hit hit = caster.firstHit(origin, direction, caster.margin());
     hits.push_back(hit.triangle == RayCaster::kMiss ? hit.triangle : 2 * hit.triangle + (hit.isFront ? 1 : 0));
-    hits.push_back(caster.isFree(origin, direction) ? 1 : 0);
+    hits.push_back(caster.isFree(origin, direction, caster.margin()) ? 1 : 0);
   }
   return hits;
 }
@@ -97,14 +97,14 @@ TEST(RayCaster, TheMeterOfTheThreadCountsTheTreeAndMayRefuseIt) {
     CountingMeter meter(INT64_MAX);
     {
       const core::WorkMeter::Scope scope(&meter);
-      const RayCaster caster(mesh.vertices, mesh.triangles, {}, threads);
+      const RayCaster caster(mesh.vertices, mesh.triangles, {}, {}, threads);
       // a corner of a triangle takes four bytes, a place twelve
       EXPECT_GT(meter.held(), static_cast<std::int64_t>(12 * mesh.triangles.size() + 12 * mesh.vertices.size()));
     }
     EXPECT_EQ(meter.held(), 0);
     CountingMeter narrow(1'000'000);
     const core::WorkMeter::Scope scope(&narrow);
-    EXPECT_THROW(RayCaster(mesh.vertices, mesh.triangles, {}, threads), std::bad_alloc);
+    EXPECT_THROW(RayCaster(mesh.vertices, mesh.triangles, {}, {}, threads), std::bad_alloc);
     EXPECT_EQ(narrow.held(), 0);
   }
 }
@@ -125,8 +125,8 @@ TEST(RayCaster, OfTheTrianglesAtAVertexTheFirstIsMet) {
     vertices.push_back({std::cos(angle), 0, std::sin(angle)});
     triangles.push_back({0, 1 + i, 1 + (i + 1) % 6});
   }
-  const RayCaster caster(vertices, triangles, std::nullopt, 1);
-  EXPECT_EQ(caster.firstHit({0, 1, 0}, {0, -1, 0}).triangle, 0U);
+  const RayCaster caster(vertices, triangles, std::nullopt, {}, 1);
+  EXPECT_EQ(caster.firstHit({0, 1, 0}, {0, -1, 0}, caster.margin()).triangle, 0U);
 }
 
 }  // namespace
