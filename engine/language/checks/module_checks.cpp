@@ -1,6 +1,7 @@
 #include "engine/language/checks/module_checks.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <map>
 #include <set>
@@ -12,7 +13,11 @@
 namespace espalier::language {
 namespace {
 
-constexpr std::string_view kAnswered = "PHLUQFE";     // the turtle fills them; ?E is the environment's
+constexpr std::string_view kAnswered = "PHLUQFE";  // the turtle fills them; ?E is the environment's
+constexpr std::array kAfterAt{
+#define ESPALIER_TURTLE_AFTER_AT(command, text, usage, meaning) std::string_view{text},
+#include "engine/language/turtle_symbols.def"
+};
 constexpr std::string_view kTurtleLetters = "FfGgs";  // drawn or filled without a production
 
 class ModuleChecks {
@@ -34,6 +39,7 @@ class ModuleChecks {
     checkUnanswered();
     checkUnmadeQueries();
     checkArities();
+    checkCommands();
   }
 
  private:
@@ -53,6 +59,11 @@ class ModuleChecks {
   void addMade(const std::vector<ModuleSyntax>& modules) {
     char before = '\0';
     char beforeThat = '\0';
+    for (std::size_t i = 0; i + 1 < modules.size(); ++i) {
+      if (symbolOf(modules[i].type).character() == '@' && modules[i].parameters.empty()) {
+        commands_.push_back({&modules[i], &modules[i + 1], i + 2 < modules.size() ? &modules[i + 2] : nullptr});
+      }
+    }
     for (const ModuleSyntax& module : modules) {
       made_.push_back({module.type, module.range, before == '?', before == '@' || before == '~' || beforeThat == '@'});
       beforeThat = before;
@@ -144,10 +155,38 @@ class ModuleChecks {
     }
   }
 
+  // ---- commands of the turtle
+
+  void checkCommands() {
+    std::set<std::string> reported;
+    for (const auto& [at, first, second] : commands_) {
+      const std::string name = symbolOf(first->type).name;
+      const std::string pair = name + (second == nullptr ? std::string() : symbolOf(second->type).name);
+      const auto isKnown = [](const std::string& text) { return std::ranges::find(kAfterAt, text) != kAfterAt.end(); };
+      // what a production rewrites may become a command
+      if (isKnown(name) || isKnown(pair) || read_.contains(at->type) || read_.contains(first->type) ||
+          !reported.insert(name).second) {
+        continue;
+      }
+      messages_.warning(
+          {at->range.begin, first->range.end},
+          "the turtle has no command '@" + name + "': it interprets the symbols after the '@' on their own",
+          "`espalier reference symbols` lists the commands");
+    }
+  }
+
+  /// A `@` and what stands behind it.
+  struct Command {
+    const ModuleSyntax* at;
+    const ModuleSyntax* first;
+    const ModuleSyntax* second;  // null: nothing
+  };
+
   std::string_view text_;
   const ModelSyntax& model_;
   MessageList& messages_;
   std::vector<Made> made_;
+  std::vector<Command> commands_;
   std::map<core::SymbolId, std::set<std::uint16_t>> rewritten_;  // numbers of parameters of predecessors
   std::set<core::ModuleTypeId> read_;                            // in a predecessor or context
 };

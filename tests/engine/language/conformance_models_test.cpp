@@ -65,8 +65,8 @@ TEST(ConformanceModels, FewGiveWarnings) {
     }
   }
   // two of them: 011-arity-mismatch-copies makes V(x) and V(x,y,z) where only V(x,y) is rewritten; one: the surface ~!
-  // of 007-symbols-odd-characters has no file
-  EXPECT_LE(count, 15U) << all;
+  // of 007-symbols-odd-characters has no file; three: 165-turtle-wrong-at-symbol
+  EXPECT_LE(count, 18U) << all;
 }
 
 // authors copy models of the gallery

@@ -53,6 +53,16 @@ TEST(ModuleChecks, AModuleWithAnotherNumberOfParametersIsNotRewritten) {
   EXPECT_EQ(messagesOf("A(x) --> A(x,2)A(x)\nA(x,y) < B --> C", "A(1)B"), Messages{});
 }
 
+TEST(ModuleChecks, ACommandThatTheTurtleDoesNotKnow) {
+  EXPECT_EQ(
+      messagesOf("A --> F@z(2)A@M(1,2)@Tx(1)@Gs"),
+      Messages{"3:8: warning: the turtle has no command '@z': it interprets the symbols after the '@' on their own "
+               "| `espalier reference symbols` lists the commands"});
+  // a production makes a command of it
+  EXPECT_EQ(messagesOf("A --> @z\nz --> O(2)"), Messages{});
+  EXPECT_EQ(messagesOf("A --> @\n@ --> F@"), Messages{});
+}
+
 TEST(ModuleChecks, ASuccessorThatGoesOnInColumnOne) {
   EXPECT_EQ(
       messagesOf("A --> A\n[+A]A --> F").front(),
