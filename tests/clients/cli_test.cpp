@@ -196,6 +196,17 @@ TEST_F(Cli, CheckSaysThatAModelIsRight) {
   EXPECT_EQ(result.status, 0);
 }
 
+TEST_F(Cli, AMeshOfPlantsFarFromZeroIsSaidToBeCoarse) {
+  const std::string model = "Lsystem: 1\nderivation length: 0\nAxiom: @M(X,0,0)F(1)[+F(2)]F(3)\nendlsystem\n";
+  folder_.write("m.l", "#define X 500000\n" + model);
+  const std::string errors = run("run m.l -o m.glb -o m.obj -o m.png").errors;
+  const std::string sentence = "meshes have single precision: their points lie on steps of 0.03125.";
+  EXPECT_EQ(errors.find(sentence), errors.rfind(sentence)) << errors;
+  EXPECT_TRUE(contains(errors, sentence)) << errors;
+  EXPECT_FALSE(contains(run("run m.l -o m.png -o m.rsml").errors, "single precision"));
+  EXPECT_FALSE(contains(run("run m.l --define X=1000 -o m.glb").errors, "single precision"));
+}
+
 TEST_F(Cli, CheckTakesSeveralModels) {
   folder_.write("algae.l", kAlgae);
   folder_.write("bad.l", "Lsystem: 1\nAxiom A\nendlsystem\n");

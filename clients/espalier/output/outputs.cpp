@@ -1,6 +1,8 @@
 #include "clients/espalier/output/outputs.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -14,8 +16,10 @@
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/drawing_order.h"
 #include "clients/espalier/output/progress_bar.h"
+#include "engine/core/number_text.h"
 #include "engine/core/streams.h"
 #include "engine/turtle/export/picture/png.h"
+#include "engine/turtle/scene/scene_bounds.h"
 #include "server/remote/disk_files.h"
 
 namespace espalier::command {
@@ -351,6 +355,34 @@ std::optional<std::string> OutputWriter::picture(const simulation::Simulation& s
   return sink.take();
 }
 
+void OutputWriter::warnIfFar(const turtle::Scene& scene, const files::ViewSettings& view,
+                             const turtle::ExportFormat& format) const {
+  constexpr std::array<std::string_view, 6> kMeshes{"glb", "obj", "ply", "stl", "usda", "vtp"};
+  constexpr double kFine = 1e-4;  // of the size of the scene
+  const auto largestOf = [](const core::Vec3& place) {
+    return std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
+  };
+  // of a scene that is far away each line is
+  const bool mayBeFar = scene.segments.empty() || largestOf(scene.segments.front().start) > 100.0;
+  if (isQuiet_ || hasWarned_ || !mayBeFar || std::ranges::find(kMeshes, format.name) == kMeshes.end()) {
+    return;
+  }
+  const auto box = turtle::boundsOf(scene, view);
+  if (!box) {
+    return;
+  }
+  const double largest = std::max(largestOf(box->minimum), largestOf(box->maximum));
+  // between neighbouring numbers of single precision
+  const double step = std::exp2(std::floor(std::log2(largest)) - 23.0);
+  if (step > kFine * largestOf(box->maximum - box->minimum)) {
+    std::string text;
+    core::appendNumber(text, step, core::NumberStyle::Shortest);
+    printNote("warning: the plants are far from 0, and meshes have single precision: their points lie on steps of " +
+              text + ". Subtract an origin from the places of the plants");
+    hasWarned_ = true;
+  }
+}
+
 std::optional<std::string> OutputWriter::exportTo(const simulation::Simulation& simulation, const Drawn& drawn,
                                                   const turtle::ExportFormat& format,
                                                   const turtle::ExportTarget& target) const {
@@ -368,6 +400,7 @@ std::optional<std::string> OutputWriter::exportTo(const simulation::Simulation& 
     }
     return std::nullopt;
   };
+  warnIfFar(drawn.scene, simulation.view(), format);
   std::optional<files::ViewSettings> moved;
   if (movesViewer(options_) && format.name == "png") {
     moved = viewToRender(simulation.view(), options_.render);

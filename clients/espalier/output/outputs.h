@@ -89,9 +89,12 @@ class OutputWriter {
   [[nodiscard]] std::optional<std::string> exportTo(const simulation::Simulation& simulation, const Drawn& drawn,
                                                     const turtle::ExportFormat& format,
                                                     const turtle::ExportTarget& target) const;
+  /// Says once that a mesh of a scene far from 0 is coarse.
+  void warnIfFar(const turtle::Scene& scene, const files::ViewSettings& view, const turtle::ExportFormat& format) const;
 
   const OutputOptions& options_;
   bool isQuiet_;
+  mutable bool hasWarned_ = false;
 };
 
 }  // namespace espalier::command
