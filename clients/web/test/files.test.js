@@ -94,6 +94,35 @@ test("a panel has pages and menu items, and a button that is on while it is pres
   assert.deepEqual(read.problems, []);
 });
 
+test("a panel with a mistake keeps the items that can be read", () => {
+  const head = "target: Lsystem\npanel name: Growth\nsize: 210 320\n\n";
+  const slider = "type: SLIDER\nname: Leaves\norigin: 24 40\nmin/max: 1 24\nvalue: 8\nmessage: d LEAVES %d 1\n";
+  const button = (name) => `\ntype: BUTTON\nname: ${name}\norigin: 10 10\nvalue: 0\nmessage: d SHOW 0 1\n`;
+  const read = (text) => {
+    const { items, problems } = panel.parsePanel(head + text);
+    return [items.map(({ name, group }) => `${name}|${group ?? ""}`), problems];
+  };
+  const [unended, noEnd] = read(`type: GROUP\nA\nB\n${button("A")}${button("B")}\n${slider}`);
+  assert.deepEqual([unended, noEnd], [["A|1", "B|1", "Leaves|"], ["line 5: the group has no ENDGROUP"]]);
+  assert.deepEqual(read(`${button("A")}\ntype: GROUP\nA\nNobody\nENDGROUP\n${slider}`), [["A|1", "Leaves|"], ['line 14: the group names the button "Nobody", which its page does not have']]);
+  // the same names on two pages, and a name with a blank at its end
+  const page = (name) => `type: PAGE\nname: ${name}\nmessage: p 1\n${button("On")}${button("Off ")}\ntype: GROUP\nOn\nOff \nENDGROUP\n\n`;
+  assert.deepEqual(read(page("one") + page("two")), [["On|1", "Off |1", "On|2", "Off |2"], []]);
+  // limits and values
+  assert.deepEqual(read(slider.replace("1 24", "1") + button("A")), [["A|"], ['line 9: expected two numbers behind min/max: of the slider "Leaves", found "value:"']]);
+  assert.deepEqual(read(slider.replace("min/max: 1 24\nvalue: 8", "value: 8\nmin/max: 1 24") + button("A")), [["A|"], ['line 8: expected two numbers behind min/max: of the slider "Leaves", found "value:"']]);
+  const swapped = panel.parsePanel(head + slider.replace("1 24", "24 1"));
+  assert.deepEqual([swapped.items[0].low, swapped.items[0].high, swapped.problems.length], [1, 24, 1]);
+  const worded = panel.parsePanel(head + slider.replace("value: 8", "value: eight"));
+  assert.deepEqual([worded.items[0].value, worded.items[0].message], [1, "d LEAVES %d 1"]);
+  assert.deepEqual(worded.problems, ['line 9: the value "eight" of the slider "Leaves" is no number']);
+  assert.deepEqual(read(slider.replace("origin", "colours: 1,1,1\norigin"))[0], []);
+  // line ends do not matter, a line that does not belong there does
+  const lines = panel.parsePanel(head + slider.replace("origin: 24 40", "origin:\n24\n40"));
+  assert.deepEqual([lines.items[0].x, lines.items[0].y, lines.problems], [24, 40, []]);
+  assert.deepEqual(read(`${slider}\njunk\n${button("A")}`), [["Leaves|", "A|"], ['line 12: "junk" is not expected here']]);
+});
+
 test("a message changes the bytes of its word and nothing else", () => {
   const text = "#define  LEAVES\t8   /* of  a shoot */\r\n#define LEAVES2 8\n# define LEAVES 8\n  #define LEAVES 8\nswap interval: 2\nflag: off\n";
   assert.equal(panel.applyMessage(text, "d LEAVES %d 1", 9), text.replace("LEAVES\t8", "LEAVES\t9").replace("  #define LEAVES 8", "  #define LEAVES 9"));
@@ -104,6 +133,10 @@ test("a message changes the bytes of its word and nothing else", () => {
   assert.equal(panel.applyMessage("#define A 1\n", "d A %d 1000000", 1), "#define A 0.000001\n");
   assert.throws(() => panel.applyMessage(text, "d LEAVES %d 0", 9), /divides by zero/);
   assert.throws(() => panel.applyMessage(text, "d LEAVES %s 1", 9), /format other than %d/);
+  assert.throws(() => panel.applyMessage(text, "d LEAVES %d%% 1", 9), /has "9%" where a number is expected/);
+  assert.equal(panel.applyMessage("a: b\n", "o 1 %d%%", 9), "a: 9%\n");
+  assert.equal(panel.applyMessage("at: 1,2, 3\n", "n 1 2 0 %d", 9), "at: 9, 3\n");
+  assert.equal(panel.valueInText("#define L\n 12\n", { message: "d L %d 1" }), null);
   assert.throws(() => panel.applyMessage(text, "n 5 9 0 %d", 9), /does not have/);
   assert.equal(panel.valueInText("#define S 0.45\n", { message: "d S %d 100" }), 45);
 });
@@ -112,6 +145,7 @@ test("the menu of the folder says which file a panel edits", () => {
   const files = { specifications: "a.l\n*\nL-system:\n\tpanel panel.l | awkped plant.v\n", "plant.l": "", "plant.v": "", "panel.l": "", "panel.v": "" };
   assert.deepEqual(panel.targetOf(files, "panel.l", "plant.l"), { file: "plant.v", editor: "awkped" });
   assert.deepEqual(panel.targetOf({ ...files, specifications: "" }, "panel.v", "plant.l"), { file: "plant.v", editor: "awkped" });
+  assert.equal(panel.targetOf({ ...files, specifications: "\tpanel panel(1).l | awkped plant.v\n" }, "panel(1).l", "plant.l").file, "plant.v");
   const by = (command) => panel.targetOf({ ...files, specifications: `panel panel.v | ${command} plant.v` }, "panel.v", "plant.l").editor;
   assert.deepEqual([by("ped"), by("awkped -lstudio")], ["ped", "awkped -lstudio"]);
 });

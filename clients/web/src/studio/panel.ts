@@ -31,66 +31,116 @@ const HEIGHTS = { slider: 39, button: 24, label: 20, menu: 0 };
 const colourOf = (word: string): string => (/^\d+,\d+,\d+$/.test(word) ? `rgb(${word})` : "");
 
 /** Whether a text is a panel: both formats begin in a way of their own. */
-export const isPanel = (text: string): boolean => /^\s*(?:target:[^\n]*\r?\n\s*)?panel name:/.test(text) && /^type:/m.test(text);
+export const isPanel = (text: string): boolean => /^\s*(?:target:[^\r\n]*[\r\n]\s*)?panel name:/.test(text) && /^type:/m.test(text);
 
-interface Reader {
-  lines: string[];
-  at: number;
-}
+/** A place in the text of a panel. */
+class Reader {
+  private at = 0;
+  private lineAt = 0; // the place that `lineThere` is the line of
+  private lineThere = 1;
 
-/** The words behind a keyword, when the next line has it. */
-function take(reader: Reader, keyword: string): string | null {
-  while (reader.at < reader.lines.length && reader.lines[reader.at].trim() === "") {
-    ++reader.at;
+  constructor(private readonly text: string) {}
+
+  get line(): number {
+    this.lineThere += this.text.slice(this.lineAt, this.at).split("\n").length - 1;
+    this.lineAt = this.at;
+    return this.lineThere;
   }
-  const line = reader.lines[reader.at] ?? "";
-  if (!line.trimStart().startsWith(keyword)) {
-    return null;
+  /** The next word, wherever its line is; "" at the end. */
+  peek(): string {
+    this.at += /^\s*/.exec(this.text.slice(this.at))![0].length;
+    return /^\S*/.exec(this.text.slice(this.at))![0];
   }
-  ++reader.at;
-  return line.trimStart().slice(keyword.length).replace(/^ /, "").replace(/\r$/, "");
+  word(): string {
+    const word = this.peek();
+    this.at += word.length;
+    return word;
+  }
+  isNext(keyword: string): boolean {
+    this.peek();
+    return this.text.startsWith(keyword, this.at);
+  }
+  take(keyword: string): boolean {
+    const isNext = this.isNext(keyword);
+    this.at += isNext ? keyword.length : 0;
+    return isNext;
+  }
+  /** The rest of the line, blanks included. */
+  rest(): string {
+    const end = this.text.indexOf("\n", this.at);
+    const rest = this.text.slice(this.at, end < 0 ? undefined : end);
+    this.at = end < 0 ? this.text.length : end + 1;
+    return rest;
+  }
+  /** The text behind a keyword without its first character; nothing when another keyword is next. */
+  textOf(keyword: string): string | null {
+    return this.take(keyword) ? this.rest().slice(1) : null;
+  }
+  colours(...keywords: string[]): string[] {
+    const colours: string[] = [];
+    if (keywords.some((keyword) => this.take(keyword))) {
+      while (this.peek() !== "" && !this.peek().includes(":")) {
+        colours.push(colourOf(this.word()));
+      }
+    }
+    return colours;
+  }
+  /** The numbers behind a keyword; nothing when one of them is missing. */
+  numbers(keyword: string, count: number): number[] | null {
+    const numbers: number[] = [];
+    if (this.take(keyword)) {
+      while (numbers.length < count && Number.isFinite(Number(this.peek() || NaN))) {
+        numbers.push(Number(this.word()));
+      }
+    }
+    return numbers.length === count ? numbers : null;
+  }
+  /** Passes the lines before the next item. */
+  skipItem(): void {
+    while (this.peek() !== "" && !this.isNext("type:")) {
+      this.rest();
+    }
+  }
 }
-
-const numbers = (text: string | null): number[] => (text ?? "").trim().split(/\s+/).map(Number);
 
 export function parsePanel(text: string): Panel {
-  const reader: Reader = { lines: text.split("\n"), at: 0 };
-  const isNew = take(reader, "target:") !== null;
-  const panel: Panel = { title: take(reader, "panel name:") ?? "", width: 0, height: 0, background: "rgb(0,0,0)", items: [], pages: [], problems: [] };
-  take(reader, "colourmap:");
-  panel.background = colourOf((take(reader, "background:") ?? "").trim()) || panel.background;
-  const size = take(reader, "size:");
-  [panel.width, panel.height] = size ? numbers(size) : [0, 0];
-  take(reader, "font:");
-  let group = 0;
-  const members = new Map<string, number>();
-  for (let type = take(reader, "type:"); type !== null; type = take(reader, "type:")) {
-    const kind = type.trim().toLowerCase();
-    if (kind === "group") {
-      ++group;
-      take(reader, "color:");
-      while (reader.at < reader.lines.length && reader.lines[reader.at].trim() !== "ENDGROUP") {
-        members.set(reader.lines[reader.at++].replace(/\r$/, "").trim(), group);
-      }
-      ++reader.at;
-    } else if (kind === "page") {
-      const { name, message } = readItem(reader, "page");
-      panel.pages.push({ name, message });
-    } else if (kind === "slider" || kind === "button" || kind === "label" || kind === "menu") {
-      panel.items.push({ ...readItem(reader, kind), type: kind, page: Math.max(panel.pages.length - 1, 0) });
-    } else {
-      panel.problems.push(`line ${reader.at}: expected PAGE, SLIDER, BUTTON, LABEL, GROUP or MENU, found "${type.trim()}"`);
-      skipItem(reader);
+  const reader = new Reader(text.replace(/\r\n?/g, "\n"));
+  const isNew = reader.textOf("target:") !== null;
+  const panel: Panel = { title: reader.textOf("panel name:") ?? "", width: 0, height: 0, background: "rgb(0,0,0)", items: [], pages: [], problems: [] };
+  const groups: Member[][] = [];
+  reader.textOf("colourmap:");
+  panel.background = reader.colours("background:")[0] || panel.background;
+  const size = reader.numbers("size:", 2);
+  [panel.width, panel.height] = size ?? [0, 0];
+  reader.textOf("font:");
+  while (reader.peek() !== "") {
+    if (!reader.take("type:")) {
+      panel.problems.push(`line ${reader.line}: "${reader.rest().trim()}" is not expected here`);
+      reader.skipItem();
+      continue;
     }
-    if (!/^\s*type:/.test(reader.lines[reader.at] ?? "") && (reader.lines[reader.at] ?? "").trim() !== "") {
-      panel.problems.push(`line ${reader.at + 1}: "${reader.lines[reader.at].trim()}" is not expected here`);
-      skipItem(reader);
+    const line = reader.line;
+    const type = reader.word();
+    const kind = type.toLowerCase();
+    const page = Math.max(panel.pages.length - 1, 0);
+    if (kind === "group") {
+      groups.push(readGroup(reader, page, panel.problems));
+    } else if (kind === "page" || kind === "slider" || kind === "button" || kind === "label" || kind === "menu") {
+      const item = readItem(reader, kind, panel.problems);
+      if (kind === "page") {
+        panel.pages.push({ name: item.name, message: item.message });
+      } else if (Number.isFinite(item.low)) {
+        panel.items.push({ ...item, type: kind, page });
+      }
+    } else {
+      panel.problems.push(`line ${line}: expected PAGE, SLIDER, BUTTON, LABEL, GROUP or MENU, found "${type}"`);
+      reader.skipItem();
     }
   }
-  for (const item of panel.items) {
-    item.group = item.type === "button" ? (members.get(item.name) ?? null) : null;
-    if (!isNew) {
-      // the old format counts from the bottom
+  groups.forEach((members, i) => join(members, i + 1, panel));
+  if (!isNew) {
+    // the old format counts from the bottom
+    for (const item of panel.items) {
       item.y = panel.height - item.y - HEIGHTS[item.type];
     }
   }
@@ -101,21 +151,99 @@ export function parsePanel(text: string): Panel {
   return panel;
 }
 
-function skipItem(reader: Reader): void {
-  while (reader.at < reader.lines.length && !/^\s*type:/.test(reader.lines[reader.at])) {
-    ++reader.at;
+/** A button that a group names. */
+interface Member {
+  name: string;
+  page: number;
+  line: number;
+}
+
+function readGroup(reader: Reader, page: number, problems: string[]): Member[] {
+  const members: Member[] = [];
+  const begin = reader.line;
+  reader.rest();
+  reader.textOf("color:");
+  while (reader.peek() !== "" && !reader.isNext("type:")) {
+    const line = reader.line;
+    const name = reader.rest();
+    if (name.trim() === "ENDGROUP") {
+      return members;
+    }
+    members.push({ name, page, line });
+  }
+  problems.push(`line ${begin}: the group has no ENDGROUP`);
+  return members;
+}
+
+/** Puts the buttons that a group names into it. */
+function join(members: Member[], group: number, panel: Panel): void {
+  for (const { name, page, line } of members) {
+    const buttons = panel.items.filter((item) => item.type === "button" && item.page === page);
+    const exact = buttons.filter((button) => button.name === name);
+    const found = exact.length > 0 ? exact : buttons.filter((button) => button.name.trim() === name.trim());
+    for (const button of found) {
+      button.group = group;
+    }
+    if (found.length === 0) {
+      panel.problems.push(`line ${line}: the group names the button "${name}", which its page does not have`);
+    }
   }
 }
 
-function readItem(reader: Reader, type: PanelItem["type"] | "page"): Omit<PanelItem, "type" | "page"> {
-  const name = take(reader, "name:") ?? "";
-  const colours = (take(reader, "colors:") ?? take(reader, "tricolor:") ?? take(reader, "color:") ?? "").trim().split(/\s+/).map(colourOf);
-  const [x, y] = numbers(take(reader, "origin:"));
-  const [low, high] = type === "slider" ? numbers(take(reader, "min/max:")) : [0, 1];
-  const value = type === "slider" || type === "button" ? Number(take(reader, "value:") ?? 0) : 0;
-  const message = type === "label" ? "" : (take(reader, "message:") ?? "");
-  return { name, x: x || 0, y: y || 0, low, high, value, message, colours, group: null };
+/** An item, and a problem when a part of it is missing: the parts behind it are not read then. Without limits a slider has `low` NaN. */
+function readItem(reader: Reader, type: PanelItem["type"] | "page", problems: string[]): Omit<PanelItem, "type" | "page"> {
+  const item = { name: "", x: 0, y: 0, low: type === "slider" ? NaN : 0, high: 1, value: 0, message: "", colours: [] as string[], group: null };
+  const report = (problem: string) => problems.push(`line ${reader.line}: ${problem}`);
+  const without = (part: string) => {
+    report(`expected ${part} of the ${type} "${item.name}", found "${reader.peek()}"`);
+    reader.skipItem();
+    return item;
+  };
+  const name = reader.textOf("name:");
+  if (name === null) {
+    return without("name:");
+  }
+  item.name = name;
+  item.colours = reader.colours("colors:", "tricolor:", "color:");
+  const origin = reader.numbers("origin:", 2);
+  if (!origin && type !== "page" && type !== "menu") {
+    return without("two numbers behind origin:");
+  }
+  [item.x, item.y] = origin ?? [0, 0];
+  if (type === "slider") {
+    const limits = reader.numbers("min/max:", 2);
+    if (!limits) {
+      return without("two numbers behind min/max:");
+    }
+    if (limits[0] > limits[1]) {
+      report(`the first limit of the slider "${name}" is larger than the second`);
+    }
+    item.low = Math.min(...limits);
+    item.high = Math.max(...limits);
+  }
+  if (type === "slider" || type === "button") {
+    const value = reader.numbers("value:", 1);
+    if (!value && !/^[^:]+$/.test(reader.peek())) {
+      return without("a number behind value:");
+    }
+    if (!value) {
+      report(`the value "${reader.peek()}" of the ${type} "${name}" is no number`);
+      reader.rest();
+    }
+    item.value = value?.[0] ?? item.low;
+  }
+  if (type !== "label") {
+    const message = reader.textOf("message:");
+    if (message === null) {
+      return without("message:");
+    }
+    item.message = message;
+  }
+  return item;
 }
+
+// a text that stands for itself in a regular expression
+const escaped = (text: string): string => text.replace(/[.*+?^${}()|[\]\\]/g, "\\$&");
 
 /** A number as a data file has it: six digits, no exponent. */
 function numberText(value: number): string {
@@ -131,8 +259,9 @@ function withWord(line: string, index: number, word: string): string | null {
     return null;
   }
   const old = found[0];
-  // a comma or comment glued to the word stays
-  const rest = /^[^,]*?(\/\*.*|,)?$/.exec(old)?.[1] ?? "";
+  // a comma at the end, and a comment glued to the word, stay
+  const comment = /\/\*.*/.exec(old)?.[0] ?? "";
+  const rest = (old.slice(0, old.length - comment.length).endsWith(",") ? "," : "") + comment;
   return line.slice(0, found.index) + word + rest + line.slice(found.index + old.length);
 }
 
@@ -147,10 +276,10 @@ function pedNumber(line: string, index: number): { from: number; to: number } | 
 
 /** The text after a message of a panel. Throws when the message cannot be understood. Only the addressed words change. */
 export function applyMessage(text: string, message: string, value: number, editor: PanelEditor = "awkped"): string {
-  if (/%(?![d%])/.test(message)) {
+  if (/%(?!d)/.test(message.replaceAll("%%", ""))) {
     throw new Error(`The message "${message}" has a format other than %d.`);
   }
-  const words = message.replace(/%d/g, String(value)).replace(/%%/g, "%").trim().split(/\s+/);
+  const words = message.replace(/%[d%]/g, (format) => (format === "%d" ? String(value) : "%")).trim().split(/\s+/);
   const lines = text.split("\n");
   const isMissing = (line: string, index: string) => new Error(`The message "${message}" names word ${index} of line ${line}, which the file does not have.`);
   const change = (line: string, index: string, to: (line: string, index: number) => string | null) => {
@@ -166,18 +295,24 @@ export function applyMessage(text: string, message: string, value: number, edito
     const changed = withWord(line.slice(begin), index, written);
     return changed === null ? null : line.slice(0, begin) + changed;
   };
+  const numberOf = (written: string) => {
+    if (!Number.isFinite(Number(written))) {
+      throw new Error(`The message "${message}" has "${written}" where a number is expected.`);
+    }
+    return Number(written);
+  };
   const scaled = (number: string, divisor: string | undefined) => {
     const by = divisor === undefined ? 1 : Number(divisor);
     if (!by) {
       throw new Error(`The message "${message}" divides by zero.`);
     }
-    return numberText(Number(number) / by);
+    return numberText(numberOf(number) / by);
   };
   const [kind, first, second, third, fourth] = words;
   if (editor === "ped") {
     if (kind === "n") {
       const exponent = Number(third);
-      const written = exponent === 0 ? String(Math.round(Number(fourth))) : (Number(fourth) * 10 ** exponent).toFixed(4);
+      const written = exponent === 0 ? String(Math.round(numberOf(fourth))) : (numberOf(fourth) * 10 ** exponent).toFixed(4);
       change(first, second, (line, index) => {
         const place = pedNumber(line, index);
         return place && line.slice(0, place.from) + written + line.slice(place.to);
@@ -193,7 +328,7 @@ export function applyMessage(text: string, message: string, value: number, edito
       }
     });
   } else if (kind === "n") {
-    change(first, second, word(numberText(Number(fourth) * 10 ** Number(third))));
+    change(first, second, word(numberText(numberOf(fourth) * 10 ** Number(third))));
   } else if (kind === "o") {
     change(first, "-1", (line) => withWord(line, -1, second));
   } else if (/^\d+$/.test(kind)) {
@@ -208,7 +343,7 @@ export function valueInText(text: string, { message }: PanelItem, editor: PanelE
   const place = /^n (\d+) (\d+) (\S+) %d\s*$/.exec(message.trim());
   let value = NaN;
   if (macro && editor !== "ped") {
-    const found = new RegExp(`^\\s*#define\\s+${macro[1].replace(/[.*+?^${}()|[\]\\]/g, "\\$&")}\\s+([-+.\\d]+)`, "m").exec(text);
+    const found = new RegExp(`^[ \\t]*#define[ \\t]+${escaped(macro[1])}[ \\t]+([-+.\\d]+)`, "m").exec(text);
     value = found ? Number(found[1]) * Number(macro[2] ?? 1) : NaN;
   } else if (place) {
     const line = text.split("\n")[Number(place[1]) - 1] ?? "";
@@ -222,7 +357,7 @@ export function valueInText(text: string, { message }: PanelItem, editor: PanelE
 /** The file that a panel edits, and how: as the folder's menu pipes it, else the one of the same suffix. */
 export function targetOf(files: Record<string, string>, panel: string, main: string): { file: string; editor: PanelEditor } {
   for (const menu of Object.values(files)) {
-    const found = new RegExp(`panel\\s+${panel.replace(/[.]/g, "\\.")}[^|\\n]*\\|\\s*(awkped|ped)\\s+(-lstudio\\s+)?(\\S+)`).exec(menu);
+    const found = new RegExp(`panel\\s+${escaped(panel)}[^|\\n]*\\|\\s*(awkped|ped)\\s+(-lstudio\\s+)?(\\S+)`).exec(menu);
     if (found && found[3] in files) {
       return { file: found[3], editor: found[1] === "ped" ? "ped" : found[2] ? "awkped -lstudio" : "awkped" };
     }
