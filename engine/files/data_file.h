@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 #include "engine/core/diagnostic.h"
 #include "engine/files/source_map.h"
 #include "engine/files/text_cursor.h"
+#include "engine/files/utf8.h"
 
 namespace espalier::files {
 
@@ -19,12 +21,13 @@ struct ReadingBudget {
   std::size_t samples = 500'000;
 };
 
-/// A file that a view file names, while it is read.
+/// A text file of a model folder, while it is read.
 class DataFile {
  public:
-  /// `diagnostics` and `budget` must outlive the object; without a budget only the bounds of one item hold.
-  DataFile(std::string name, std::string text, core::DiagnosticList& diagnostics, ReadingBudget* budget = nullptr)
-      : map_(plainSourceMap(std::move(name), std::move(text))), diagnostics_(&diagnostics), budget_(budget) {}
+  /// `bytes` are the file as stored; every encoding of asUtf8 is accepted. `diagnostics` and `budget` must outlive the
+  /// object; without a budget only the bounds of one item hold.
+  DataFile(std::string name, std::string_view bytes, core::DiagnosticList& diagnostics, ReadingBudget* budget = nullptr)
+      : map_(plainSourceMap(std::move(name), asUtf8(bytes))), diagnostics_(&diagnostics), budget_(budget) {}
 
   [[nodiscard]] const std::string& name() const { return map_.files.front().name; }
   [[nodiscard]] const std::string& text() const { return map_.files.front().text; }

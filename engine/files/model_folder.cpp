@@ -200,7 +200,7 @@ ModelFolder readModelFolder(const std::string& folder, const std::vector<std::st
   ModelFolder result;
   const std::string file = inFolder(folder, std::string(kSpecifications));
   if (std::optional<std::string> text = files.read(file)) {
-    const DataFile specifications(file, std::move(*text), result.diagnostics);
+    const DataFile specifications(file, *text, result.diagnostics);
     TextCursor cursor = specifications.cursor();
     readFileList(cursor, result);
     readMenu(specifications, cursor, result);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/core/number_text.h"
+#include "engine/files/utf8.h"
 
 namespace espalier::environment {
 
@@ -65,8 +66,10 @@ core::SourceLocation locationOf(const std::string& file, std::uint32_t line, std
 
 }  // namespace
 
-std::vector<PublishedLine> readPublishedLines(const std::string& file, std::string_view text,
+std::vector<PublishedLine> readPublishedLines(const std::string& file, std::string_view bytes,
                                               std::vector<core::Diagnostic>& warnings) {
+  const std::string decoded = files::asUtf8(bytes);
+  std::string_view text = decoded;
   std::vector<PublishedLine> lines;
   std::uint32_t number = 0;
   while (!text.empty()) {

@@ -22,9 +22,10 @@ struct PublishedLine {
 /// The longest line, without its newline, that the published programs read.
 inline constexpr std::size_t kLongestPublishedLine = 254;
 
-/// Splits a file into its keyword lines and skips blank lines. A line that is too long is cut with a warning. A line
-/// without a separator that does not begin with a number is ignored with a warning. O(text).
-[[nodiscard]] std::vector<PublishedLine> readPublishedLines(const std::string& file, std::string_view text,
+/// Splits a file into its keyword lines and skips blank lines. Every encoding of files::asUtf8 is accepted. A line that
+/// is too long is cut with a warning. A line without a separator that does not begin with a number is ignored with a
+/// warning. O(bytes).
+[[nodiscard]] std::vector<PublishedLine> readPublishedLines(const std::string& file, std::string_view bytes,
                                                             std::vector<core::Diagnostic>& warnings);
 
 /// Where the value of a line stands.

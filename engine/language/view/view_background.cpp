@@ -56,9 +56,9 @@ void readBackground(ViewCommandContext& c) {
   auto scene = std::make_shared<files::BackgroundScene>();
   files::TextCursor cursor(names);
   for (cursor.skipBlanks(); !cursor.atEnd(); cursor.skipBlanks()) {
-    const auto file = openFile(c, range, std::string(cursor.word()), "this part of the background is not drawn");
+    const auto file = openBytes(c, range, std::string(cursor.word()), "this part of the background is not drawn");
     if (file) {
-      readSceneFile(c, file->name(), *scene);
+      readSceneFile(c, file->name, *scene);
     }
   }
   c.settings().background = scene->shapes.empty() ? nullptr : std::move(scene);

@@ -74,9 +74,13 @@ void readNamedContours(ViewCommandContext& context);
 /// warning and has no effect.
 void readMovement(ViewCommandContext& context, files::Movement::Kind kind);
 
-/// A file beside the view file. When it cannot be read: nothing, and a warning with the consequence.
+/// A text file beside the view file. When it cannot be read: nothing, and a warning with the consequence.
 [[nodiscard]] std::optional<files::DataFile> openFile(ViewCommandContext& context, core::SourceRange range,
                                                       const std::string& name, const std::string& consequence);
+
+/// The same for a file that is no text: its name and its bytes.
+[[nodiscard]] std::optional<files::SourceMap::File> openBytes(ViewCommandContext& context, core::SourceRange range,
+                                                              const std::string& name, const std::string& consequence);
 
 /// Reads the line of a `texture:` (docs/model-files.md, 11.3) and its picture.
 void readTexture(ViewCommandContext& context);

@@ -72,16 +72,16 @@ void addMeshSurface(Context& c, const SurfaceArguments& arguments, int texture) 
   const std::string name = std::string("~") + arguments.id;
   const std::string consequence = name + " draws nothing";
   const core::SourceRange range = c.lexer.commandRange();
-  const std::optional<files::DataFile> file = openFile(c, range, arguments.file, consequence);
+  const std::optional<files::SourceMap::File> file = openBytes(c, range, arguments.file, consequence);
   if (!file) {
     return addUnusableSurface(c, arguments);
   }
-  auto read = files::readMeshFile(file->name(), file->text());
+  auto read = files::readMeshFile(file->name, file->text);
   if (!read) {
-    c.report.warn(range, "the mesh '" + file->name() + "' cannot be used: " + read.error() + "; " + consequence);
+    c.report.warn(range, "the mesh '" + file->name + "' cannot be used: " + read.error() + "; " + consequence);
     return addUnusableSurface(c, arguments);
   }
-  files::TriangleSurface surface{arguments.id, file->name(), std::move(*read), texture};
+  files::TriangleSurface surface{arguments.id, file->name, std::move(*read), texture};
   for (files::SurfaceTriangle& triangle : surface.triangles) {
     for (core::Vec3& point : triangle.points) {
       point = point * arguments.scale;
@@ -260,8 +260,8 @@ constexpr std::array kFileCommands = {
 
 }  // namespace
 
-std::optional<files::DataFile> openFile(ViewCommandContext& c, core::SourceRange range, const std::string& name,
-                                        const std::string& consequence) {
+std::optional<files::SourceMap::File> openBytes(ViewCommandContext& c, core::SourceRange range, const std::string& name,
+                                                const std::string& consequence) {
   if (++c.openedFileCount > kMostFiles) {
     c.report.warn(range, "more than " + std::to_string(kMostFiles) + " files in one view file; " + consequence);
     return std::nullopt;
@@ -284,7 +284,16 @@ std::optional<files::DataFile> openFile(ViewCommandContext& c, core::SourceRange
   if (isNew) {
     c.result.sources.push_back({file, *text});
   }
-  return files::DataFile(file, std::move(*text), c.result.diagnostics, &c.budget);
+  return files::SourceMap::File{file, std::move(*text)};
+}
+
+std::optional<files::DataFile> openFile(ViewCommandContext& c, core::SourceRange range, const std::string& name,
+                                        const std::string& consequence) {
+  std::optional<files::SourceMap::File> file = openBytes(c, range, name, consequence);
+  if (!file) {
+    return std::nullopt;
+  }
+  return files::DataFile(std::move(file->name), file->text, c.result.diagnostics, &c.budget);
 }
 
 std::span<const ViewCommand> fileCommands() {

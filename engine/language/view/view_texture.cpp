@@ -102,19 +102,19 @@ void readTexture(ViewCommandContext& context) {
   if (!line) {
     context.report.warn(range, name + " is dropped: " + line.error(),
                         "write it as 'texture: F bark.png H l L m E m R 2'");
-  } else if (std::optional<files::DataFile> file =
-                 openFile(context, range, texture.file, "surfaces with it are plain")) {
-    auto image = files::readImageFile(file->name(), file->text());
+  } else if (std::optional<files::SourceMap::File> file =
+                 openBytes(context, range, texture.file, "surfaces with it are plain")) {
+    auto image = files::readImageFile(file->name, file->text);
     if (!image) {
-      context.report.warn(range, "the picture '" + file->name() + "' of " + name + " cannot be used: " + image.error() +
+      context.report.warn(range, "the picture '" + file->name + "' of " + name + " cannot be used: " + image.error() +
                                      "; surfaces with it are plain");
     } else if (image->pixels.size() / 4 > context.remainingTexturePixels) {
       context.report.warn(range, "the pictures of the view file have more than " +
-                                     std::to_string(files::kMostImagePixels) + " pixels: '" + file->name() +
+                                     std::to_string(files::kMostImagePixels) + " pixels: '" + file->name +
                                      "' is not used; surfaces with it are plain");
     } else {
       context.remainingTexturePixels -= image->pixels.size() / 4;
-      texture.bytes = std::make_shared<const std::string>(file->text());
+      texture.bytes = std::make_shared<const std::string>(std::move(file->text));
       texture.image = std::make_shared<const files::Image>(std::move(*image));
     }
   }

@@ -26,7 +26,7 @@ std::optional<files::AnimationSettings> readAnimation(const std::string& file, c
            "the animation file cannot be read; the derivation length decides which step is last", diagnostics);
     return std::nullopt;
   }
-  files::AnimationSettings settings = files::readAnimationFile(files::DataFile(file, std::move(*text), diagnostics));
+  files::AnimationSettings settings = files::readAnimationFile(files::DataFile(file, *text, diagnostics));
   const bool moves = std::any_of(settings.intervals.begin(), settings.intervals.end(), [](const auto& interval) {
     return interval.motion != files::FrameInterval::Motion::None;
   });

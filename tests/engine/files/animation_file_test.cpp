@@ -78,6 +78,23 @@ TEST(AnimationFile, LastAdvanceIsNotCut) {
   EXPECT_EQ(shown(read("first frame: 0\nlast frame: 10\nstep: 3\n").settings, 99), (Steps{0, 3, 6, 9, 12}));
 }
 
+TEST(AnimationFile, EveryEncodingOfAModelIsRead) {
+  const std::string utf16 = "first frame: 2\nlast frame: 3\n";
+  std::string bytes = "\xFF\xFE";
+  for (const char c : utf16) {
+    bytes += c;
+    bytes += '\0';
+  }
+  for (const std::string& text : {std::string("\xEF\xBB\xBF"
+                                              "first frame: 2\nlast frame: 3\n"),
+                                  std::string("first frame: 2\rlast frame: 3\r"), bytes}) {
+    const Read result = read(text);
+    EXPECT_TRUE(result.messages.empty());
+    EXPECT_EQ(shown(result.settings, 100), (Steps{2, 3}));
+  }
+  EXPECT_EQ(read("step: 1\rlast frame:\r").messages.at(0).substr(0, 2), "2:");
+}
+
 TEST(AnimationFile, IntervalsOverrideFirstLastAndStep) {
   const Read result = read("first frame: 7\nframe intervals: 2-6 step 2, 10, 20-24 step 3\nstep: 5\n");
   EXPECT_TRUE(result.messages.empty());

@@ -45,6 +45,17 @@ TEST(ModelFolder, ReadsAPublishedFolder) {
   EXPECT_FALSE(command.colours[0].isMaterial);
 }
 
+TEST(ModelFolder, SpecificationsMayBeInUtf16) {
+  std::string specifications = "\xFF\xFE";
+  for (const char c : std::string("p.l\n*\nmodel:\n\tcpfg p.l p.v\n")) {
+    specifications += c;
+    specifications += '\0';
+  }
+  const ModelFolder folder = read(specifications);
+  ASSERT_EQ(folder.commands.size(), 1U);
+  EXPECT_EQ(folder.commands[0].model, "plant/p.l");
+}
+
 TEST(ModelFolder, OffersSeveralCommandsByTheirTitles) {
   const ModelFolder folder =
       read("*\nplant:\n\twhole:\n\t\tcpfg p.l p.v\n\tleaf:\n\t\t/usr/bin/cpfg.exe q.l q.v\nother:\n\tcpfg r.l r.v\n",

@@ -27,6 +27,23 @@ TEST(PublishedText, ATabEndsAKeywordToo) {
   EXPECT_EQ(lines[0].value, "honda81 -e x:y");
 }
 
+TEST(PublishedText, EveryEncodingOfAModelIsRead) {
+  const std::string plain = "grid size: 2\nradius: 3\n";
+  std::string utf16 = "\xFF\xFE";
+  for (const char c : plain) {
+    utf16 += c;
+    utf16 += '\0';
+  }
+  for (const std::string& text : {"\xEF\xBB\xBF" + plain, std::string("grid size: 2\rradius: 3\r"), utf16}) {
+    std::vector<core::Diagnostic> warnings;
+    const auto lines = readPublishedLines("a.e", text, warnings);
+    ASSERT_EQ(lines.size(), 2U);
+    EXPECT_EQ(lines[0].keyword, "grid size");
+    EXPECT_EQ(lines[1].location.line, 2U);
+    EXPECT_TRUE(warnings.empty());
+  }
+}
+
 TEST(PublishedText, LinesOfNumbersBelongToTheKeywordAbove) {
   std::vector<core::Diagnostic> warnings;
   const auto lines =

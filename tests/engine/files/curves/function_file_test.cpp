@@ -40,6 +40,12 @@ TEST(FunctionFile, ReadsVersion11WithTheSamplesOfTheFile) {
   EXPECT_NEAR(result.function.value(0.25), 0.338344, 1e-5);
 }
 
+TEST(FunctionFile, AByteOrderMarkIsNoPartOfTheVersion) {
+  const Read result = read(std::string("\xEF\xBB\xBF") + kRamp);
+  EXPECT_EQ(result.message, "");
+  EXPECT_EQ(result.function.name(), "ramp");
+}
+
 TEST(FunctionFile, SkipsLinesThatEditorsAdd) {
   const Read result = read(
       "fver 1 1\nname: ramp\nsamples: 100\nbackground: a.png\nbackgroundXY: 1 2\nmarkers: 2\n0.1\n0.2\nflip: on\n"
