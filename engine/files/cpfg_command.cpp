@@ -113,16 +113,30 @@ class CommandReader {
              "the switch -g runs in batch mode, which has other random numbers; choose --compat cpfg-batch for them");
         return;
       default:
-        warn(word, "unknown switch '" + word.text + "' is ignored");
+        readUnknown(word);
+    }
+  }
+
+  /// A number behind an unknown switch belongs to it: it is no file.
+  void readUnknown(const CommandWord& word) {
+    warn(word, "unknown switch '" + word.text + "' is ignored");
+    if (next_ < words_.size()) {
+      TextCursor cursor(words_[next_].text);
+      next_ += cursor.number() && cursor.atEnd() ? 1 : 0;
     }
   }
 
   void readColours(const CommandWord& word) {
     const std::optional<int> block = blockOf(std::string_view(word.text).substr(2));
-    if (!block || *block < 0 || *block > Palette::kLargestBlock) {
-      return warn(word, "unknown switch '" + word.text + "' is ignored");
+    if (!block) {
+      return readUnknown(word);
     }
-    if (const CommandWord* file = argument(word, "a colour file")) {
+    const CommandWord* file = argument(word, "a colour file");
+    if (*block < 0 || *block > Palette::kLargestBlock) {
+      return warn(word, "the colour block of " + word.text.substr(0, 2) + " is 0 to 11, found '" + word.text +
+                            "'; its file is ignored");
+    }
+    if (file != nullptr) {
       command_.colours.push_back({file->text, *block, word.text[1] == 'M'});
     }
   }
@@ -198,7 +212,7 @@ std::vector<CommandWord> commandWords(TextCursor line) {
   return words;
 }
 
-bool runsCpfg(std::string_view word) {
+bool runsProgram(std::string_view word, std::string_view program) {
   const std::size_t slash = word.find_last_of("/\\");
   if (slash != std::string_view::npos) {
     word.remove_prefix(slash + 1);
@@ -206,7 +220,7 @@ bool runsCpfg(std::string_view word) {
   if (word.ends_with(".exe")) {
     word.remove_suffix(4);
   }
-  return word == "cpfg";
+  return word == program;
 }
 
 FolderCommand readCpfgCommand(const DataFile& file, const std::vector<CommandWord>& words) {

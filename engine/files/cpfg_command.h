@@ -18,8 +18,8 @@ struct CommandWord {
 /// The words of one shell command, up to a `|`, `;`, `&`, `<` or `>`. Quotes group words and are removed.
 [[nodiscard]] std::vector<CommandWord> commandWords(TextCursor line);
 
-/// Whether a command's first word runs cpfg; folders and the suffix .exe are ignored.
-[[nodiscard]] bool runsCpfg(std::string_view word);
+/// Whether a command's first word runs a program; folders and the suffix .exe are ignored.
+[[nodiscard]] bool runsProgram(std::string_view word, std::string_view program);
 
 /// Reads the switches and files of a cpfg command (docs/model-files.md, 2.3); names stay as written. Each unused
 /// switch gives a note with its consequence; an unknown switch is a warning.

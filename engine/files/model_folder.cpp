@@ -53,14 +53,14 @@ core::Diagnostic folderDiagnostic(core::Severity severity, const std::string& fo
   return diagnostic;
 }
 
-/// Reads the file list, up to the line `*`.
-void readFileList(TextCursor& cursor, ModelFolder& result) {
+/// Reads the file list, up to the line `*`. False when no line ends it: the menu is part of it then.
+bool readFileList(TextCursor& cursor, ModelFolder& result) {
   bool isIgnored = false;
   while (!cursor.atEnd()) {
     const std::string_view whole = cursor.takeLine().rest();
     const std::string_view line = trimmed(whole);
     if (line == "*") {
-      return;
+      return true;
     }
     if (line.empty() || whole.starts_with(';') || isRefreshMode(line)) {
       continue;
@@ -72,11 +72,19 @@ void readFileList(TextCursor& cursor, ModelFolder& result) {
       result.listedFiles.emplace_back(line);
     }
   }
+  return false;
 }
 
-/// Reads the menu: titles by their depth, and the cpfg commands among its commands.
-void readMenu(const DataFile& file, TextCursor& cursor, ModelFolder& result) {
+/// A sentence and its hint.
+struct Refusal {
+  std::string message = "no command of the menu runs cpfg";
+  std::string hint = "name the model and its view file";
+};
+
+/// Reads the menu: titles by their depth, and the cpfg commands among its commands. The answer says why there is none.
+Refusal readMenu(const DataFile& file, TextCursor& cursor, ModelFolder& result) {
   std::vector<std::string> titles;
+  Refusal refusal;
   while (!cursor.atEnd()) {
     TextCursor line = cursor.takeLine();
     if (line.peek() == ';') {
@@ -95,13 +103,20 @@ void readMenu(const DataFile& file, TextCursor& cursor, ModelFolder& result) {
       continue;
     }
     const std::vector<CommandWord> words = commandWords(line);
-    if (words.empty() || !runsCpfg(words.front().text)) {
+    if (!words.empty() && runsProgram(words.front().text, "lpfg")) {
+      refusal = {"the menu runs lpfg, and Espalier does not read L+C, the language of its models",
+                 "write the model in the language of docs/language.md"};
+    }
+    if (words.empty() || !runsProgram(words.front().text, "cpfg")) {
       continue;
     }
     FolderCommand command = readCpfgCommand(file, words);
     if (command.model.empty() || command.view.empty()) {
-      file.warn(words.front().range,
-                "the command is ignored: it names no " + std::string(command.model.empty() ? "model" : "view file"));
+      const std::string missing = command.model.empty() ? "model" : "view file";
+      file.warn(words.front().range, "the command is ignored: it names no " + missing);
+      refusal = {"the cpfg command of the menu names no " + missing +
+                     (command.model.empty() ? "" : " behind '" + command.model + "'"),
+                 "write it as 'cpfg [switches] model.l view.v'; -e, -m, -M and -c take the word behind them"};
       continue;
     }
     for (std::size_t i = 0; i < std::min(depth, titles.size()); ++i) {
@@ -109,6 +124,7 @@ void readMenu(const DataFile& file, TextCursor& cursor, ModelFolder& result) {
     }
     result.commands.push_back(std::move(command));
   }
+  return refusal;
 }
 
 /// Without `specifications`: the folder's only model and view file.
@@ -202,11 +218,15 @@ ModelFolder readModelFolder(const std::string& folder, const std::vector<std::st
   if (std::optional<std::string> text = files.read(file)) {
     const DataFile specifications(file, *text, result.diagnostics);
     TextCursor cursor = specifications.cursor();
-    readFileList(cursor, result);
-    readMenu(specifications, cursor, result);
+    const bool hasMenu = readFileList(cursor, result);
+    Refusal refusal = readMenu(specifications, cursor, result);
+    if (!hasMenu) {
+      refusal = {"the file has no menu, because no line '*' ends its list of files",
+                 "put a line with only '*' between the files and the menu"};
+    }
     if (result.commands.empty()) {
-      result.diagnostics.add(folderDiagnostic(core::Severity::Error, file, "no command of the menu runs cpfg",
-                                              "name the model and its view file"));
+      result.diagnostics.add(
+          folderDiagnostic(core::Severity::Error, file, std::move(refusal.message), std::move(refusal.hint)));
     }
   } else {
     findOnlyModel(folder, names, result);

@@ -128,7 +128,8 @@ std::string firstMessage(const ModelFolder& folder) {
 
 TEST(ModelFolder, WarnsAboutUnknownParts) {
   EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg -q p.l p.v\n")), "3:7 unknown switch '-q' is ignored");
-  EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg -m12 p.map p.l p.v\n")), "3:7 unknown switch '-m12' is ignored");
+  EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg -m12 p.map p.l p.v\n")),
+            "3:7 the colour block of -m is 0 to 11, found '-m12'; its file is ignored");
   EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg p.l p.v -e\n")),
             "3:15 expected an environment file after '-e', found the end of the command");
   EXPECT_EQ(firstMessage(read("*\ngo:\n\tcpfg -c x p.l p.v\n")), "3:10 the colour base of -c is 0 to 11, found 'x'");
@@ -166,6 +167,35 @@ TEST(ModelFolder, NothingToRunIsAnError) {
   EXPECT_EQ(texts(read("p.l\n*\nedit:\n\tvi p.l\n").diagnostics),
             Names{"plant/specifications: error: no command of the menu runs cpfg\n"
                   "   hint: name the model and its view file"});
+}
+
+TEST(ModelFolder, TheWordOfAWrongSwitchIsNoModel) {
+  for (const char* const switches : {"-zz 3", "-m12 p.map", "-q"}) {
+    const ModelFolder folder = read("*\ngo:\n\tcpfg " + std::string(switches) + " p.l p.v\n");
+    ASSERT_EQ(folder.commands.size(), 1U) << switches;
+    EXPECT_EQ(folder.commands[0].model, "plant/p.l");
+    EXPECT_EQ(folder.commands[0].view, "plant/p.v");
+    EXPECT_TRUE(folder.commands[0].colours.empty());
+  }
+}
+
+TEST(ModelFolder, SaysWhyThereIsNoCommand) {
+  const auto error = [](const std::string& specifications) {
+    const ModelFolder folder = read(specifications);
+    for (const core::Diagnostic& diagnostic : folder.diagnostics.entries()) {
+      if (diagnostic.severity == core::Severity::Error) {
+        return diagnostic.message;
+      }
+    }
+    return std::string();
+  };
+  EXPECT_EQ(error("*\ngo:\n\tcpfg -e p.l p.v\n"), "the cpfg command of the menu names no view file behind 'p.v'");
+  EXPECT_EQ(error("*\ngo:\n\tcpfg -c p.l p.v\n"), "the cpfg command of the menu names no view file behind 'p.v'");
+  EXPECT_EQ(error("*\ngo:\n\tcpfg\n"), "the cpfg command of the menu names no model");
+  EXPECT_EQ(error("p.l\ngo:\n\tcpfg p.l p.v\n"), "the file has no menu, because no line '*' ends its list of files");
+  EXPECT_EQ(error("*\ngo:\n\t/bin/lpfg.exe p.l p.v\n"),
+            "the menu runs lpfg, and Espalier does not read L+C, the language of its models");
+  EXPECT_EQ(error("*\ngo:\n\tlpfg p.l p.v\n\tcpfg p.l p.v\n"), "");
 }
 
 TEST(ModelFolder, ReadsThePaletteOfACommand) {
