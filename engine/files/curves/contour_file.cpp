@@ -21,9 +21,10 @@ class ContourReader {
   bool read() {
     if (cursor_.takeKeywords("cver 1 ")) {
       TextCursor line = cursor_.takeLine();
+      const TextCursor written = line;
       const int version = line.integer().value_or(0);
       if (version < 1 || version > 3) {
-        return fail(line, "version '1 1', '1 2' or '1 3'");
+        return fail(written, "1, 2 or 3 behind 'cver 1'");
       }
       return readVersion(version) && checkCount();
     }
@@ -147,7 +148,7 @@ class ContourReader {
     return false;
   }
 
-  static constexpr const char* kConsequence = "the circle is used instead of this contour";
+  static constexpr const char* kConsequence = "--compat cpfg uses the circle instead of this contour";
   const DataFile& file_;
   TextCursor cursor_;
   Contour& contour_;

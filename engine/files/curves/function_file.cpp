@@ -25,9 +25,25 @@ class FunctionReader {
 
  private:
   std::optional<SplineFunction> readVersion11() {
+    const std::size_t begin = cursor_.position();
     TextCursor first = cursor_.takeLine();
+    const TextCursor version = first;
     if (!first.takeKeywords("fver 1 1") || !first.atLineEnd()) {
-      return fail(first, "'fver 1 1'", "a function file",
+      if (version.atLineEnd() && !cursor_.atEnd()) {
+        file_.warn({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(begin) + 1},
+                   "expected 'fver 1 1' while reading a function file, found an empty line",
+                   "a function file has no empty lines; this function is 0 everywhere");
+        return std::nullopt;
+      }
+      if (version.rest().starts_with("fver ")) {
+        constexpr std::size_t kLongest = 40;
+        file_.warn({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(begin + version.rest().size())},
+                   "expected version 'fver 1 1' while reading a function file, found '" +
+                       std::string(version.rest().substr(0, kLongest)) + "'",
+                   "this function is 0 everywhere");
+        return std::nullopt;
+      }
+      return fail(version, "'fver 1 1'", "a function file",
                   "a function begins with 'fver 1 1', or in the old format with 'range: 0 1'");
     }
     TextCursor nameLine = cursor_.takeLine();
@@ -131,6 +147,10 @@ class FunctionReader {
         return false;
       }
       coordinate = *number;
+    }
+    if (line.peek() == ',') {
+      file_.warnExpected(line, "a blank between the numbers of a point", context(),
+                         "write numbers with a point, as 0.9");
     }
     line.skipBlanks();
     const int multiplicity = line.integer().value_or(1);

@@ -308,6 +308,7 @@ BackgroundScene readBackgroundScene(std::string_view text, std::vector<Backgroun
   BackgroundReader reader;
   for (std::size_t i = 0; i < words.size();) {
     const SceneWord keyword = words[i++];
+    const std::size_t first = i;
     std::vector<double> numbers;
     for (; i < words.size(); ++i) {
       const auto number = core::parseNumber(words[i].text);
@@ -322,11 +323,16 @@ BackgroundScene readBackgroundScene(std::string_view text, std::vector<Backgroun
     }
     const bool isUnknown = missing == BackgroundReader::kUnknown;
     const std::string name = "'" + std::string(keyword.text.substr(0, 40)) + "'";
-    problems.push_back(
-        {keyword.range, keyword.line,
-         isUnknown ? "unknown keyword " + name
-                   : name + " needs " + std::string(missing) + ", found " + std::to_string(numbers.size()) + " numbers",
-         isUnknown});
+    std::string found = ", found " + std::to_string(numbers.size()) + (numbers.size() == 1 ? " number" : " numbers");
+    if (missing.ends_with("negative")) {
+      const std::size_t begin = words[first].range.begin;
+      found = ", found " + copy.substr(begin, std::min<std::size_t>(words[i - 1].range.end - begin, 40));
+    } else if (missing.starts_with("a scene")) {
+      found.clear();
+    }
+    problems.push_back({keyword.range, keyword.line,
+                        isUnknown ? "unknown keyword " + name : name + " needs " + std::string(missing) + found,
+                        isUnknown});
   }
   return reader.take();
 }

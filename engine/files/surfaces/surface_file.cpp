@@ -34,6 +34,7 @@ struct NamedPatch {
 struct Placement {
   int precision = kDefaultSubdivision;
   Vec3 contact, end, heading, up;
+  core::SourceRange headingRange;  // of its keyword
   double size = 1.0;
 };
 
@@ -46,7 +47,7 @@ class SurfaceReader {
     if (cursor_.rest().starts_with("VERSION stedit")) {
       file_.warn({0, 14},
                  "the surface is in the format of the editor stedit, which the reference program does not read",
-                 "save it in the format of surfaces; until then it is undefined and draws nothing");
+                 "save it in the format of surfaces; until then it is undefined; --compat cpfg draws nothing for it");
       return false;
     }
     // the bounding box is not used
@@ -64,8 +65,14 @@ class SurfaceReader {
         return false;
       }
     }
-    return keywords("CONTACT POINT ") && vector(placement.contact) && keywords("END POINT ") && vector(placement.end) &&
-           keywords("HEADING ") && vector(placement.heading) && keywords("UP ") && vector(placement.up) &&
+    if (!keywords("CONTACT POINT ") || !vector(placement.contact) || !keywords("END POINT ") ||
+        !vector(placement.end)) {
+      return false;
+    }
+    cursor_.skipSpace();
+    const auto begin = static_cast<std::uint32_t>(cursor_.position());
+    placement.headingRange = {begin, begin + 7};
+    return keywords("HEADING ") && vector(placement.heading) && keywords("UP ") && vector(placement.up) &&
            keywords("SIZE: ") && number(placement.size, "a number after 'SIZE:'");
   }
 
@@ -132,13 +139,28 @@ class SurfaceReader {
            number(value.y, "a number after 'Y:'") && keywords("Z: ") && number(value.z, "a number after 'Z:'");
   }
   bool fail(const std::string& expected) {
-    file_.warnExpected(cursor_, expected, std::string(kContext), "the surface is undefined and draws nothing");
+    file_.warnExpected(cursor_, expected, std::string(kContext),
+                       "the surface is undefined; --compat cpfg draws nothing for it");
     return false;
   }
 
   const DataFile& file_;
   TextCursor cursor_;
 };
+
+/// Warns when HEADING and UP span no plane, so that the surface has no area.
+void checkFrame(const DataFile& file, const Placement& placement) {
+  constexpr double kLeastSine = 1e-9;
+  const Vec3 heading = core::normalised(placement.heading);
+  const Vec3 left = core::cross(heading, core::normalised(placement.up));
+  if (core::dot(left, left) < kLeastSine * kLeastSine) {
+    file.warn(placement.headingRange,
+              core::dot(heading, heading) > 0.0
+                  ? "UP of the surface has the direction of HEADING, or is 0: it is a line"
+                  : "HEADING of the surface is 0: it is a point",
+              "write UP perpendicular to HEADING, as HEADING X: 0 Y: 1 Z: 0 and UP X: 0 Y: 0 Z: 1");
+  }
+}
 
 /// Transforms points of a surface file to the turtle's local coordinates.
 class LocalFrame {
@@ -177,13 +199,13 @@ bool areNeighboursMutual(const DataFile& file, const std::vector<NamedPatch>& pa
                                 std::string(patch.neighbours[i]) + "'";
       if (neighbour == byName.end()) {
         file.warn(patch.range, place + ", which is not a patch of this surface",
-                  "the surface is undefined and draws nothing; write ~ for no neighbour");
+                  "the surface is undefined; --compat cpfg draws nothing for it; write ~ for no neighbour");
         return false;
       }
       if (neighbour->second->neighbours[kOpposite[i]] != patch.name) {
         const std::string back(kNeighbourKeywords[kOpposite[i]].substr(0, kNeighbourKeywords[kOpposite[i]].size() - 1));
         file.warn(patch.range, place + ", whose '" + back + "' does not name it back",
-                  "the surface is undefined and draws nothing; neighbours must be mutual");
+                  "the surface is undefined; --compat cpfg draws nothing for it; neighbours must be mutual");
         return false;
       }
     }
@@ -209,6 +231,7 @@ std::optional<Surface> readSurfaceFile(const DataFile& file, char id, double sca
   if (!areNeighboursMutual(file, patches)) {
     return std::nullopt;
   }
+  checkFrame(file, placement);
   const LocalFrame local(placement, scale);
   Surface surface;
   surface.id = id;
@@ -226,7 +249,7 @@ std::optional<Surface> readSurfaceFile(const DataFile& file, char id, double sca
     file.warn({0, 1},
               "the size " + std::string(placement.size == 0.0 ? "0" : "or a point") +
                   " of the surface gives points that are not finite",
-              "the surface is undefined and draws nothing");
+              "the surface is undefined; --compat cpfg draws nothing for it");
     return std::nullopt;
   }
   // the file has one precision for both directions

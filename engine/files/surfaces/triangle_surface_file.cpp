@@ -74,7 +74,7 @@ std::optional<TriangleSurface> readTriangleSurfaceFile(const DataFile& file, cha
       const std::optional<Vertex> vertex = readVertex(vertexLine);
       if (!vertex) {
         file.warnExpected(vertexLine, "at least three numbers of a vertex", "a triangle",
-                          "the surface is undefined and draws nothing");
+                          "the surface is undefined; --compat cpfg draws nothing for it");
         return std::nullopt;
       }
       triangle.points[i] = vertex->position * scale;

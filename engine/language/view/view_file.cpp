@@ -33,6 +33,18 @@ std::string_view withoutColon(std::string_view label) {
   return label.ends_with(':') ? label.substr(0, label.size() - 1) : label;
 }
 
+/// A name without blanks at its end and with one blank between its words.
+std::string withSingleBlanks(std::string_view name) {
+  std::string result;
+  for (const char c : name) {
+    const bool isBlank = c == ' ' || c == '\t';
+    if (!isBlank || !result.ends_with(' ')) {
+      result += isBlank ? ' ' : c;
+    }
+  }
+  return result.ends_with(' ') ? result.substr(0, result.size() - 1) : result;
+}
+
 void warnUnknown(const ViewCommandContext& context, const ViewLexer::Label& label) {
   const files::TextReport& report = context.report;
   constexpr std::size_t kLongest = 40;
@@ -64,7 +76,9 @@ void warnUnknown(const ViewCommandContext& context, const ViewLexer::Label& labe
       }
     }
     const std::string_view nearest = core::nearestName(name, candidates);
-    if (!nearest.empty()) {
+    if (std::ranges::find(candidates, withSingleBlanks(name)) != candidates.end()) {
+      hint = "write '" + withSingleBlanks(name) + ":', with single blanks and no blank before the colon";
+    } else if (!nearest.empty()) {
       hint = "did you mean '" + std::string(nearest) + ":'?";
     }
   }

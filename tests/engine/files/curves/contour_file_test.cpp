@@ -58,8 +58,7 @@ TEST(ContourFile, ReadsTheOlderForms) {
 }
 
 TEST(ContourFile, ReportsEachMistake) {
-  EXPECT_EQ(read("cver 1 4\n").message,
-            "1:9 expected version '1 1', '1 2' or '1 3' while reading a contour, found the end");
+  EXPECT_EQ(read("cver 1 4\n").message, "1:8 expected 1, 2 or 3 behind 'cver 1' while reading a contour, found '4'");
   EXPECT_EQ(read("hello\n").message,
             "1:1 expected 'cver 1 3', or a count, the dimension 2 or 3 and 'open' or 'closed' while reading a contour, "
             "found 'hello'");

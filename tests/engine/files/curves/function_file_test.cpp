@@ -40,6 +40,12 @@ TEST(FunctionFile, ReadsVersion11WithTheSamplesOfTheFile) {
   EXPECT_NEAR(result.function.value(0.25), 0.338344, 1e-5);
 }
 
+TEST(FunctionFile, ADecimalCommaIsNamed) {
+  const Read result = read("fver 1 1\nname: a\nsamples: 9\nflip: off\npoints: 4\n0 0 1\n.3 0,9 1\n.7 1 1\n1 1 1\n");
+  EXPECT_EQ(result.message,
+            "7:5 expected a blank between the numbers of a point while reading function 'a', found ',9'");
+}
+
 TEST(FunctionFile, AByteOrderMarkIsNoPartOfTheVersion) {
   const Read result = read(std::string("\xEF\xBB\xBF") + kRamp);
   EXPECT_EQ(result.message, "");
@@ -74,7 +80,10 @@ TEST(FunctionFile, OldFormatIgnoresItsRangeAndSamplesAsTheCommandSays) {
 
 TEST(FunctionFile, AnErrorGivesTheFunctionThatIsZeroEverywhere) {
   const Read result = read("fver 1 2\nname: ramp\n");
-  EXPECT_EQ(result.message, "1:1 expected 'fver 1 1' while reading a function file, found 'fver'");
+  EXPECT_EQ(result.message, "1:1 expected version 'fver 1 1' while reading a function file, found 'fver 1 2'");
+  EXPECT_EQ(read("\nfver 1 1\n\nname: ramp\n").message,
+            "1:1 expected 'fver 1 1' while reading a function file, found an empty line");
+  EXPECT_EQ(read("fver x\n").message, "1:1 expected version 'fver 1 1' while reading a function file, found 'fver x'");
   EXPECT_EQ(result.function.value(0.5), 0.0);
 }
 

@@ -51,6 +51,18 @@ void expectNear(const Vec3& value, const Vec3& expected) {
   EXPECT_NEAR(value.z, expected.z, 1e-12);
 }
 
+TEST(SurfaceFile, AFrameWithoutAPlaneIsNamed) {
+  const char* const kZero = "X: 0 Y: 0 Z: 0";
+  const char* const kForward = "X: 0 Y: 0 Z: 1";
+  EXPECT_EQ(read(surfaceText(kUpright, kForward, kUpright, "1")).message, "");
+  const Read parallel = read(surfaceText(kUpright, "X: 0 Y: -2 Z: 0", kUpright, "1"));
+  EXPECT_TRUE(parallel.surface.has_value());
+  EXPECT_EQ(parallel.message, "4:1 UP of the surface has the direction of HEADING, or is 0: it is a line");
+  EXPECT_EQ(read(surfaceText(kUpright, kZero, kUpright, "1")).message, parallel.message);
+  EXPECT_EQ(read(surfaceText(kZero, kForward, kUpright, "1")).message,
+            "4:1 HEADING of the surface is 0: it is a point");
+}
+
 TEST(SurfaceFile, TheFormatOfAnotherEditorIsNamed) {
   const Read result = read("VERSION stedit 1.0\n0 0 0 0 0 0\n");
   EXPECT_FALSE(result.surface);

@@ -115,6 +115,10 @@ TEST(ViewFile, UnknownLabelsWarnWithTheNearestOneAndSkipTheLine) {
                                      "2:1 expected a view command while reading a view file, found 'a remark'"}));
   EXPECT_EQ(result.diagnostics.entries()[0].hint, "did you mean 'angle increment:'?");
   EXPECT_EQ(result.settings.initialScale, 2.0);
+  for (const char* const label : {"angle increment :", "angle  increment:", "angle \t increment : "}) {
+    EXPECT_EQ(read(label + std::string(" 10\n")).diagnostics.entries()[0].hint,
+              "write 'angle increment:', with single blanks and no blank before the colon");
+  }
   EXPECT_EQ(read("angle increment: 22,5\n").diagnostics.entries()[0].hint, "write 22.5 with a point");
   EXPECT_FALSE(result.diagnostics.hasErrors());
 }
