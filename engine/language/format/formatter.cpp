@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/files/utf8.h"
 #include "engine/language/compiler.h"
 #include "engine/language/format/item_layout.h"
 #include "engine/language/format/program_comparison.h"
@@ -55,7 +56,8 @@ class Formatter {
     FormatResult result;
     CompileResult compiled = compile(input_, files_);
     result.diagnostics = std::move(compiled.diagnostics);
-    result.text = files_.read(input_.modelFile).value_or(std::string());
+    // as the preprocessor reads it: the offsets of the program count in this text
+    result.text = files::readableText(files_.read(input_.modelFile).value_or(std::string()));
     if (!compiled.program) {
       return result;
     }

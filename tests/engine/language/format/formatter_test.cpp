@@ -213,6 +213,22 @@ TEST(Formatter, LineEndsOfTheFileAreKept) {
             "Lsystem: 1\r\nAxiom: F\r\nF --> FF\r\nendlsystem\r\n");
 }
 
+TEST(Formatter, EveryEncodingOfAModelIsLaidOutAsUtf8WithNewlines) {
+  const std::string plain = "Lsystem: 1\nderivation length: 2\nAxiom: A(1)/ /F\nA(x)-->A(x+1)\nendlsystem\n";
+  const std::string expected = layout(plain);
+  ASSERT_NE(expected, plain);
+  std::string returns = plain;
+  std::ranges::replace(returns, '\n', '\r');
+  std::string utf16 = "\xFF\xFE";
+  for (const char c : plain) {
+    utf16 += c;
+    utf16 += '\0';
+  }
+  for (const std::string& text : {"\xEF\xBB\xBF" + plain, returns, utf16}) {
+    EXPECT_EQ(layout(text), expected);
+  }
+}
+
 TEST(Formatter, AModelWithErrorsIsReturnedAsItIs) {
   const std::string text = "Lsystem:1\nAxiom:F\nF->F\nendlsystem\n";
   const FormatResult result = formatted(text);
