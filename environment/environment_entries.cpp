@@ -28,7 +28,14 @@ std::optional<std::string> takeText(json& object, const std::string& key, bool i
   const auto found = object.find(key);
   if (found == object.end()) {
     if (isRequired) {
-      errors.push_back(errorOf(path + " has no '" + key + "'", std::string(kExample)));
+      std::vector<std::string_view> keys;
+      for (const auto& [name, value] : object.items()) {
+        keys.push_back(name);
+      }
+      const std::string_view nearest = core::nearestName(key, keys);
+      errors.push_back(errorOf(
+          path + " has no '" + key + "'",
+          (nearest.empty() ? "" : "is '" + std::string(nearest) + "' the '" + key + "'? ") + std::string(kExample)));
     }
     return std::nullopt;
   }

@@ -196,19 +196,28 @@ class ConfigurationReader {
           std::string(key.name) + ": " + std::string(key.description));
       return std::nullopt;
     }
+    // the first wrong number of a list stands for the others
     std::vector<double> numbers;
-    bool isComplete = true;
     for (std::size_t i = 0; i < value.size(); ++i) {
       const auto number = readNumber(key, path + "[" + std::to_string(i) + "]", value[i]);
-      isComplete = isComplete && number.has_value();
-      numbers.push_back(number.value_or(0.0));
+      if (!number) {
+        return std::nullopt;
+      }
+      numbers.push_back(*number);
     }
-    return isComplete ? std::optional(std::move(numbers)) : std::nullopt;
+    return numbers;
   }
 
   std::optional<ConfigurationValue> readRows(const ConfigurationKey& key, const json& value) {
     if (!value.is_array()) {
       addWrongType(key, std::string(key.name), expectedText(key), value);
+      return std::nullopt;
+    }
+    if (!value.empty() && std::all_of(value.begin(), value.end(), [](const json& part) { return part.is_number(); })) {
+      add(std::string(key.name),
+          "'" + std::string(key.name) + "' must be " + expectedText(key) + ", found a list of numbers",
+          "write [[" + numberText(value[0].get<double>()) + ", …]]. " + std::string(key.name) + ": " +
+              std::string(key.description));
       return std::nullopt;
     }
     ConfigurationRows rows;

@@ -88,8 +88,8 @@ struct ConfigurationError {
 
 /// Reads the JSON text of an object by a table of keys; empty or blank text means all defaults. Returns all errors,
 /// each with the name of the process and the key's path ("values[2]"): malformed JSON (with line and column), unknown
-/// key (with the nearest one), key written twice, wrong type, value out of range. Beside the range of its key a number
-/// is at most 10³⁰ in size, and one that must be above 0 at least 10⁻³⁰. O(text).
+/// key (with the nearest one), key written twice, wrong type, value out of range; of a list the first wrong number.
+/// Beside the range of its key a number is at most 10³⁰ in size, and one that must be above 0 at least 10⁻³⁰. O(text).
 [[nodiscard]] tl::expected<Configuration, std::vector<ConfigurationError>> readConfiguration(
     std::string_view process, std::span<const ConfigurationKey> keys, std::string_view json);
 

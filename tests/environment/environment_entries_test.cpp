@@ -43,6 +43,9 @@ TEST(EnvironmentEntries, ErrorsNameTheEntryAndTheKey) {
   constexpr const char* kHint = "\n   hint: an environment is written as {\"type\":\"honda\",\"radius\":0.5}";
   EXPECT_EQ(errorsOf(parseEnvironmentEntries(R"({"radius":1})")),
             std::string("error: environment has no 'type'") + kHint);
+  EXPECT_EQ(errorsOf(parseEnvironmentEntries(R"({"tpye":"honda","radius":1})")),
+            "error: environment has no 'type'\n"
+            "   hint: is 'tpye' the 'type'? an environment is written as {\"type\":\"honda\",\"radius\":0.5}");
   EXPECT_EQ(errorsOf(parseEnvironmentEntries(R"([{"type":"honda"},{"type":3}])")),
             std::string("error: environment[1]: 'type' must be a text, found the number 3") + kHint);
   EXPECT_EQ(errorsOf(parseEnvironmentEntries(R"({"type":"honda","name":""})")),

@@ -129,6 +129,13 @@ TEST(Configuration, WrongTypesNameThePathAndWhatWasFound) {
   EXPECT_EQ(errorsOfText(R"({"sources":[[1],[2,"x"]]})"),
             "error: environment process 'demo': 'sources[1][1]' must be a number, found the text 'x'\n"
             "   hint: sources: from where");
+  // one message for a list
+  EXPECT_EQ(
+      errorsOfText(R"({"start":["a","b"]})"),
+      "error: environment process 'demo': 'start[0]' must be a number, found the text 'a'\n   hint: start: where");
+  EXPECT_EQ(errorsOfText(R"({"sources":[1,0.08,3]})"),
+            "error: environment process 'demo': 'sources' must be a list of lists of 1 to 3 numbers, found a list of "
+            "numbers\n   hint: write [[1, …]]. sources: from where");
   EXPECT_EQ(
       errorsOfText(R"({"sources":3})"),
       "error: environment process 'demo': 'sources' must be a list of lists of 1 to 3 numbers, found the number 3\n"
