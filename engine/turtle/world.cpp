@@ -1,5 +1,6 @@
 #include "engine/turtle/world.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -46,7 +47,7 @@ std::int64_t julianNoon(int year, int month, int day) {
          static_cast<std::int64_t>(std::floor(30.6001 * (month + 1))) + day + 2 - century + century / 4 - 1524;
 }
 
-/// The seconds of "12:30:15" at the front of a text, which is removed.
+/// The seconds of "12:30:15" or "12:30:15.25" at the front of a text, which is removed.
 std::optional<int> takeTime(std::string_view& text) {
   const auto hour = takeNumber(text, 2);
   const auto minute = hour && takeCharacter(text, ':') ? takeNumber(text, 2) : std::nullopt;
@@ -60,6 +61,14 @@ std::optional<int> takeTime(std::string_view& text) {
       return std::nullopt;
     }
     seconds += *second;
+    // a fraction is left out
+    if (takeCharacter(text, '.')) {
+      const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+      if (digits == 0) {
+        return std::nullopt;
+      }
+      text.remove_prefix(digits);
+    }
   }
   return *hour < 24 || seconds == kSecondsPerDay ? std::optional(seconds) : std::nullopt;
 }

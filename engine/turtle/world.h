@@ -29,8 +29,8 @@ struct World {
 };
 
 /// The Julian day of a moment: "2026-06-21", "2026-06-21T12:00", "...:30", then nothing or "Z" for universal time, or
-/// an offset from it such as "+02:00". Nothing when the text is no such date. Proleptic Gregorian calendar, years 1 to
-/// 9999.
+/// an offset from it such as "+02:00". A fraction of a second is left out. Nothing when the text is no such date.
+/// Proleptic Gregorian calendar, years 1 to 9999.
 [[nodiscard]] std::optional<double> julianDayOf(std::string_view text);
 
 /// The same moment in whole seconds, exact: the Julian day times 86400, and 43200.

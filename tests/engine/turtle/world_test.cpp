@@ -29,6 +29,10 @@ TEST(World, DatesDifferByWholeSeconds) {
   EXPECT_EQ(secondsOfDate("2000-01-01T12:00"), std::int64_t{2451545} * 86400 + 43200);
   EXPECT_EQ(*secondsOfDate("2000-01-01T00:00:07+00:30") - *secondsOfDate("1999-12-31"), 86400 - 1800 + 7);
   EXPECT_EQ(*secondsOfDate("2026-06-21T07:00+02:00") - *secondsOfDate("2026-06-21T04:00Z"), 3600);
+  EXPECT_EQ(secondsOfDate("2026-06-21T06:00:00.000Z"), secondsOfDate("2026-06-21T06:00"));
+  EXPECT_EQ(secondsOfDate("2026-06-21T06:00:07.9+01:00"), secondsOfDate("2026-06-21T05:00:07Z"));
+  EXPECT_FALSE(secondsOfDate("2026-06-21T06:00:07.Z").has_value());
+  EXPECT_FALSE(secondsOfDate("2026-06-21T06:00.5Z").has_value());
   EXPECT_EQ(*secondsOfDate("9999-12-31") - *secondsOfDate("0001-01-01"), std::int64_t{3652058} * 86400);
 }
 
