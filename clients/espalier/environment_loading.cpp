@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "clients/espalier/messages.h"
+#include "engine/files/utf8.h"
 #include "engine/language/checks/model_queries.h"
 #include "environment/environment_entries.h"
 #include "environment/environment_set.h"
@@ -225,7 +226,7 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
     printError("there is no environment file '" + file + "': check the name and the working folder");
     return nullptr;
   }
-  auto parsed = environment::parseEnvironmentEntries(*json);
+  auto parsed = environment::parseEnvironmentEntries(files::asUtf8(*json));
   if (!parsed) {
     for (core::Diagnostic& error : parsed.error()) {
       // a place in the text is a place in this file

@@ -3,6 +3,7 @@
 #include <string_view>
 #include <utility>
 
+#include "engine/files/utf8.h"
 #include "protocol/json_text.h"
 
 namespace espalier::command {
@@ -17,16 +18,17 @@ void printFileError(const std::string& file, std::string message) {
 
 std::optional<protocol::Payload> readJsonFile(const std::string& file, const std::string& what,
                                               core::FileProvider& files) {
-  const std::optional<std::string> text = files.read(file);
-  if (!text) {
+  const std::optional<std::string> bytes = files.read(file);
+  if (!bytes) {
     printError("there is no " + what + " '" + file + "': check the name and the working folder");
     return std::nullopt;
   }
-  if (const auto problem = protocol::jsonProblem(*text)) {
+  const std::string text = files::asUtf8(*bytes);
+  if (const auto problem = protocol::jsonProblem(text)) {
     printError(file + ": " + *problem);
     return std::nullopt;
   }
-  auto message = protocol::decodeMessage("{\"jsonrpc\":\"2.0\",\"method\":\"file\",\"params\":" + *text + "}");
+  auto message = protocol::decodeMessage("{\"jsonrpc\":\"2.0\",\"method\":\"file\",\"params\":" + text + "}");
   if (!message) {
     printFileError(file, message.error().error.message);
     return std::nullopt;

@@ -4,12 +4,13 @@
 #include <utility>
 
 #include "engine/files/surfaces/background_scene.h"
+#include "engine/files/utf8.h"
 
 namespace espalier::environment {
 
 tl::expected<SceneShapes, std::string> readScene(std::string_view text) {
   std::vector<files::BackgroundProblem> problems;
-  files::BackgroundScene scene = files::readBackgroundScene(text, problems);
+  files::BackgroundScene scene = files::readBackgroundScene(files::asUtf8(text), problems);
   const auto wrong = std::find_if(problems.begin(), problems.end(),
                                   [](const files::BackgroundProblem& problem) { return !problem.isUnknown; });
   if (wrong != problems.end()) {

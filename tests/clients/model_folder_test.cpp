@@ -54,6 +54,27 @@ TEST_F(Folder, RunsTheCommandOfItsSpecifications) {
   EXPECT_EQ(run("derive plant --steps 1").output, "FA\n");
 }
 
+TEST_F(Folder, EveryTextFileMayBeInUtf16) {
+  const auto utf16 = [](const std::string& text) {
+    std::string bytes = "\xFF\xFE";
+    for (const char c : text) {
+      bytes += c;
+      bytes += '\0';
+    }
+    return bytes;
+  };
+  write("specifications", utf16("p.l\n*\nmodel:\n\tcpfg -a p.l p.v p.a\n"));
+  write("p.l", utf16(kModel));
+  write("p.v", utf16("angle factor: 8\n"));
+  write("p.a", utf16("last frame: 2\n"));
+  write("world.json", utf16("{\"latitude\": 45}"));
+  const ProgramRun result = run("derive plant --world plant/world.json");
+  EXPECT_EQ(result.output, "FFA\n");
+  EXPECT_EQ(result.errors, "");
+  write("e.json", utf16("{\"type\": \"height\"}"));
+  EXPECT_EQ(run("derive plant --environment plant/e.json").status, 0);
+}
+
 TEST_F(Folder, TheCommandsEnvironmentAnswersWhateverItsName) {
   writeCommand("cpfg -e field p.l p.v");
   write("p.l", kHeight);

@@ -135,5 +135,9 @@ TEST(SceneFile, SaysWhichLineLacksNumbers) {
   EXPECT_EQ(read.error(), "line 3: 'box' needs 3 numbers, found 2 numbers");
 }
 
+TEST(SceneFile, EveryEncodingOfAModelIsRead) {
+  EXPECT_EQ(readScene("\xEF\xBB\xBFsphere 1\r// two\rsphere 2\r")->spheres.size(), 2U);
+}
+
 }  // namespace
 }  // namespace espalier::environment::obstacle_scene_test
