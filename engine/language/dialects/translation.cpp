@@ -159,8 +159,13 @@ MappedText modelText(const CpfgModel& model, bool isAlone) {
     for (const MappedText& production : model.drawing) {
       modules += production.text() + '\n';
     }
+    const auto isDrawn = [&model](char turn) {
+      return std::any_of(model.drawing.begin(), model.drawing.end(), [turn](const MappedText& production) {
+        return production.text().starts_with(turn + std::string(" --> "));
+      });
+    };
     std::copy_if(kTurns.begin(), kTurns.end(), std::back_inserter(turns),
-                 [&modules](char turn) { return hasTurn(modules, turn); });
+                 [&](char turn) { return hasTurn(modules, turn) && !isDrawn(turn); });
   }
   const bool writesOwn = !isAlone && !model.ownDrawing.empty();
   if (!model.drawing.empty() || writesOwn || !turns.empty()) {

@@ -534,14 +534,25 @@ class TextbookReader {
         draw("F(n)", "F" + length);
       }
     }
-    if (isClockwise_) {
-      draw("+", "-" + angle);
-      draw("-", "+" + angle);
-    }
     const auto uses = [&](char symbol) { return symbols_.plain.count(symbol) > 0; };
+    const auto exchange = [&](char a, char b) {
+      for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
+        if (uses(from)) {
+          draw(std::string(1, from), to + angle);
+        }
+        if (symbols_.numbered.count(from) > 0) {
+          draw(from + std::string("(x)"), to + std::string("(x)"));
+        }
+      }
+    };
+    if (isClockwise_) {
+      exchange('+', '-');
+    }
     if (painter_.isActive()) {
       return painter_.addDrawing(symbols_.plain, model_);
     }
+    // the chapter's matrices roll in the opposite direction
+    exchange('/', '\\');
     // an apostrophe, the next colour of ABOP: the symbols are those of that book
     if (uses('\'')) {
       draw("'", ";");
@@ -551,13 +562,6 @@ class TextbookReader {
         model_.lost.emplace_back("that ! makes lines thinner");
       }
       return;
-    }
-    // the chapter's matrices roll in the opposite direction
-    if (uses('/')) {
-      draw("/", "\\" + angle);
-    }
-    if (uses('\\')) {
-      draw("\\", "/" + angle);
     }
     // thicker, and the next colour
     if (uses('!')) {

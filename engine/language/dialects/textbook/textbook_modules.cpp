@@ -220,10 +220,10 @@ MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift
     } else {
       result.make(symbol, offset);
     }
+    if (symbol.size() == 1) {
+      (hasParameters ? symbols_.numbered : symbols_.plain).insert(symbol.front());
+    }
     if (!hasParameters) {
-      if (symbol.size() == 1) {
-        symbols_.plain.insert(symbol.front());
-      }
       continue;
     }
     // parameters up to the parenthesis that closes the list

@@ -25,6 +25,7 @@ struct Subscript {
 /// The symbols that the modules of a textbook's model use.
 struct TextbookSymbols {
   std::set<char> plain;                      // without parameter and subscript
+  std::set<char> numbered;                   // with parameters
   std::set<char> all;                        // with or without
   std::set<std::string> names;               // with a name as subscript: F_a
   std::set<std::string> levelled;            // with a level as subscript

@@ -32,6 +32,15 @@ inline std::string cpfgText(const std::string& text, const std::string& entry = 
   return result.program == nullptr ? std::string{} : result.program->sources.front().text;
 }
 
+/// The cpfg text of a foreign model as a file for other programs.
+inline std::string aloneText(const std::string& text) {
+  core::MemoryFileProvider files({{"m.txt", text}});
+  CompileInput input;
+  input.modelFile = "m.txt";
+  const auto translated = translateForeign(input, files);
+  return translated ? modelText(translated->model, true).text() : std::string{};
+}
+
 /// The dialect that recognises a text; empty: cpfg.
 inline std::string recognised(const std::string& text) {
   core::MemoryFileProvider files({{"m.txt", text}});

@@ -122,8 +122,18 @@ TEST(Textbook, SeveralAxiomsAreSeveralModels) {
 }
 
 TEST(Textbook, RollsInTheOppositeDirectionAndMayTurnClockwise) {
-  const std::string text = cpfgText("ω: F/F\\F+\nδ = 30°\nturns: clockwise\nF → F\n");
+  const std::string text = cpfgText("ω: F/F\\F+F-\nδ = 30°\nturns: clockwise\nF → F\n");
   EXPECT_TRUE(contains(text, "+ --> -(30)\n- --> +(30)\n/ --> \\(30)\n\\ --> /(30)\n")) << text;
+}
+
+TEST(Textbook, ATurnWithANumberHasTheDirectionOfOneWithout) {
+  const std::string text = cpfgText("ω: F/(10)F\\(20)F+(30)F-(x)\nx = 5\nturns: clockwise\nF → F\n");
+  EXPECT_TRUE(contains(text, "+(x) --> -(x)\n-(x) --> +(x)\n/(x) --> \\(x)\n\\(x) --> /(x)\n")) << text;
+  // the sign of the next colour changes no roll
+  EXPECT_TRUE(contains(cpfgText("ω: F/F’F\nδ = 30°\nF → F\n"), "/ --> \\(30)\n' --> ;\n"));
+  // one drawing of a symbol is enough
+  const std::string alone = aloneText("ω: F/F&F\nδ = 30°\nF → F\n");
+  EXPECT_TRUE(contains(alone, "/ --> \\(30)\n& --> &(30)\nendlsystem\n")) << alone;
 }
 
 TEST(Textbook, ExclamationMarkThickensAndCommaChangesTheColour) {
