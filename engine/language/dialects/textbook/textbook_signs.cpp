@@ -53,7 +53,13 @@ void replaceSigns(std::string& text) {
     for (const auto& [sign, character] : kReplacements) {
       if (std::string_view(text).substr(at).starts_with(sign)) {
         text[at] = character;
-        blankOut(text, at + 1, at + sign.size());
+        const std::size_t end = at + sign.size();
+        blankOut(text, at + 1, end);
+        // parameters stand directly behind their module
+        if (text.compare(end, 1, "(") == 0) {
+          text[at + 1] = '(';
+          text[end] = ' ';
+        }
         break;
       }
     }

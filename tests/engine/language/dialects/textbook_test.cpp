@@ -136,6 +136,13 @@ TEST(Textbook, ATurnWithANumberHasTheDirectionOfOneWithout) {
   EXPECT_TRUE(contains(alone, "/ --> \\(30)\n& --> &(30)\nendlsystem\n")) << alone;
 }
 
+TEST(Textbook, ASignOfPrintMayHaveANumber) {
+  const std::string text = "ω: −(90)F(1)\nF(x) → –(30)F(x)’(0.5)⁄(5)F\n";
+  const std::string cpfg = cpfgText(text);
+  EXPECT_TRUE(contains(cpfg, "Axiom: -(90)F(1)\nF(x) --> -(30)F(x)'(0.5)/(5)F\n")) << cpfg;
+  EXPECT_TRUE(contains(cpfgText("ω: A\nA −(0.6)→ B\nA –(0.4)→ C\n"), "A --> B : 0.6\nA --> C : 0.4\n"));
+}
+
 TEST(Textbook, ExclamationMarkThickensAndCommaChangesTheColour) {
   const CompileResult result = compileForeign("ω: !F\nF → F,F\n");
   ASSERT_NE(result.program, nullptr);
