@@ -170,7 +170,9 @@ class TextbookReader {
         model_.angleDegrees = *textbookNumber(value.text);
         hasAngle_ = true;
       } else if (!modules_.isConstant(name)) {
-        model_.items.push_back(MappedText().copy(statement.text, statement.offset));
+        const std::size_t front = statement.text.size() - value.text.size();
+        model_.items.push_back(
+            MappedText().copy(statement.text.substr(0, front), statement.offset).add(modules_.expression(value)));
       }
     }
     // other lines with # are remarks
@@ -334,7 +336,7 @@ class TextbookReader {
     const TextPiece condition = mark == std::string_view::npos ? TextPiece{} : left.from(mark + 1).trimmed();
     if (!condition.empty() && condition.text != "*") {
       text.make(" : ", front.offset);
-      text.add(modules_.expression(condition));
+      text.add(modules_.condition(condition));
     }
     // the probability before the arrow, in front of the successor, in parentheses, or behind a colon
     if (!written.empty()) {
@@ -355,7 +357,7 @@ class TextbookReader {
     if (written.text.ends_with('%') && textbookNumber(written.text)) {
       probability.make(cpfgNumber(*textbookNumber(written.text)), written.offset);
     } else if (!written.empty()) {
-      probability = modules_.expression(written);
+      probability = modules_.condition(written);
     }
     noteProbability(left, written);
     checkBrackets(text_, right.offset, right.offset + right.text.size(), "the successor", report_);

@@ -25,6 +25,7 @@ constexpr std::array kOperators = {
     Pair{"<=", "<="}, Pair{">=", ">="}, Pair{"==", "=="}, Pair{"!=", "!="}, Pair{"=", "=="}};
 constexpr std::array<std::string_view, 10> kSubscriptDigits{"₀", "₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈", "₉"};
 constexpr std::string_view kLeafSign = "♠";
+constexpr std::string_view kWedge = "∧";
 
 template <std::size_t Count>
 const Pair* pairAt(const std::array<Pair, Count>& pairs, std::string_view text) {
@@ -259,19 +260,39 @@ void TextbookModules::setFormals(const TextPiece& predecessor) {
   }
 }
 
-MappedText TextbookModules::expression(const TextPiece& piece) {
+MappedText TextbookModules::condition(const TextPiece& piece) {
   MappedText result;
   appendExpression(result, piece, true);
+  return result;
+}
+
+MappedText TextbookModules::expression(const TextPiece& piece) {
+  MappedText result;
+  appendExpression(result, piece, false);
   return result;
 }
 
 void TextbookModules::appendExpression(MappedText& result, const TextPiece& piece, bool isCondition) const {
   const std::string_view text = piece.text;
   char previous = '(';  // the last character that is not a blank
+  bool isInString = false;
   for (std::size_t at = 0; at < text.size();) {
     const char c = text[at];
     const std::size_t offset = piece.offset + at;
     const bool isSign = static_cast<unsigned char>(c) > 126;
+    isInString = isInString != (c == '"');
+    // a blank behind another, or behind the parenthesis of a sign of print
+    if (c == ' ' && !isInString && (result.text().ends_with(' ') || result.text().ends_with('('))) {
+      ++at;
+      continue;
+    }
+    // in print one sign is a power, and "and" between conditions
+    if (!isCondition && text.substr(at).starts_with(kWedge)) {
+      result.make("^", offset);
+      at += kWedge.size();
+      previous = '=';
+      continue;
+    }
     const Pair* found = isCondition || isSign ? pairAt(kOperators, text.substr(at)) : nullptr;
     if (found != nullptr) {
       result.make(found->second, offset);
@@ -305,6 +326,12 @@ void TextbookModules::appendExpression(MappedText& result, const TextPiece& piec
     } else if (!name.empty() && name != word) {
       result.make(name, offset);
       previous = 'x';
+    } else if (isSign && !isInString) {
+      const std::size_t length = std::min(characterLength(c), text.size() - at);
+      report_.error(offset, length,
+                    "the character '" + std::string(text.substr(at, length)) + "' cannot stand in an expression",
+                    "expressions have numbers, names, + - * / ^ and parentheses");
+      end = at + length;
     } else {
       result.copy(text.substr(at, end - at), offset);
       previous = c == ' ' || c == '\t' ? previous : text[end - 1];

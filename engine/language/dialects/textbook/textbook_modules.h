@@ -57,6 +57,8 @@ class TextbookModules {
   /// to the predecessor's, `n + predecessorShift`.
   [[nodiscard]] MappedText modules(const TextPiece& piece, int predecessorShift = 0);
   /// A condition or probability: `=` is `==`, `≤`, `≥`, `≠`, `∧` and `∨` are written out.
+  [[nodiscard]] MappedText condition(const TextPiece& piece);
+  /// Another expression: `∧` is a power.
   [[nodiscard]] MappedText expression(const TextPiece& piece);
   /// A symbol with a subscript that is a level or a number, alone: the predecessor of a recurrence.
   struct Levelled {

@@ -114,6 +114,18 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kGreek{
      {"ξ", "xi"},    {"π", "pi"},   {"ρ", "rho"},   {"σ", "sigma"},  {"τ", "tau"},     {"υ", "upsilon"}, {"φ", "phi"},
      {"ϕ", "phi"},   {"χ", "chi"},  {"ψ", "psi"},   {"ω", "omega"},  {"Δ", "Delta"}}};
 
+// signs of print in constant expressions
+constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kConstantSigns{{{"°", ""},
+                                                                                        {"º", ""},
+                                                                                        {"◦", ""},
+                                                                                        {"×", "*"},
+                                                                                        {"·", "*"},
+                                                                                        {"⋅", "*"},
+                                                                                        {"÷", "/"},
+                                                                                        {"∧", "^"},
+                                                                                        {"²", "^2"},
+                                                                                        {"³", "^3"}}};
+
 bool isLetterOrDigit(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0;
 }
@@ -510,13 +522,11 @@ std::optional<std::string> constantText(std::string_view text, const std::map<st
       continue;
     }
     const char c = text[at];
-    if (text.substr(at).starts_with("°") || text.substr(at).starts_with("º")) {
-      at += 2;
-    } else if (text.substr(at).starts_with("◦")) {
-      at += 3;
-    } else if (text.substr(at).starts_with("×") || text.substr(at).starts_with("·")) {
-      result += '*';
-      at += 2;
+    const auto* const sign = std::find_if(kConstantSigns.begin(), kConstantSigns.end(),
+                                          [&](const auto& pair) { return text.substr(at).starts_with(pair.first); });
+    if (sign != kConstantSigns.end()) {
+      result += sign->second;
+      at += sign->first.size();
     } else if (std::string_view("0123456789.+-*/()^ ").find(c) != std::string_view::npos) {
       hasValue = hasValue || std::isdigit(static_cast<unsigned char>(c)) != 0;
       result += c;

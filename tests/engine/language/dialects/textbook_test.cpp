@@ -143,6 +143,17 @@ TEST(Textbook, ASignOfPrintMayHaveANumber) {
   EXPECT_TRUE(contains(cpfgText("ω: A\nA −(0.6)→ B\nA –(0.4)→ C\n"), "A --> B : 0.6\nA --> C : 0.4\n"));
 }
 
+TEST(Textbook, AWedgeIsAPowerOutsideOfConditions) {
+  EXPECT_TRUE(contains(cpfgText("ω: F(4)\nF(x) → F(x ∧ 0.5)\n"), "F(x) --> F(x ^ 0.5)\n"));
+  EXPECT_TRUE(
+      contains(cpfgText("ω: F(4)\nh = 4∧0.5\nF(x) : x>1 ∧ x<9 → F(h)∧F\n"), "F(x) : x>1 && x<9 --> F((4^0.5))^F\n"));
+  const std::string macros = "#define c 1\n#define h ((c − 0.3) ∧ 2)\n#define k h∧2\nω: F(1)\n";
+  EXPECT_EQ(foreignMessages(macros + "F(x) → F(x∗h)\n"), Messages{});
+  EXPECT_EQ(foreignMessages("ω: F(1)\nF(x) → F(x ♣ 2)\n").front(),
+            "2:14: error: the character '♣' cannot stand in an expression | expressions have numbers, names, + - * / ^ "
+            "and parentheses");
+}
+
 TEST(Textbook, ExclamationMarkThickensAndCommaChangesTheColour) {
   const CompileResult result = compileForeign("ω: !F\nF → F,F\n");
   ASSERT_NE(result.program, nullptr);
