@@ -130,28 +130,39 @@ bool isLetterOrDigit(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0;
 }
 
-// a line without its remark: `//`, `#` and `;` at its beginning, and ` // ` or ` # ` behind blanks
-TextPiece withoutRemark(const TextPiece& line, std::string_view whole) {
+// a line without its remark: `//`, `#` and `;` at its beginning, and ` // ` or ` # ` behind blanks. In an open bracket
+// of the lines before, two slashes are judged as in a production
+TextPiece withoutRemark(const TextPiece& line, bool isInBracket, std::string_view whole) {
   const std::string_view text = line.text;
   const TextPiece code = line.trimmed();
   const bool isDirective = code.text.starts_with('#') && code.text.size() > 1 && isLetterOrDigit(code.text[1]);
-  if (code.text.starts_with("//") || code.text.starts_with(';') || (code.text.starts_with('#') && !isDirective)) {
+  const bool isSlashed = code.text.starts_with("//") && (!isInBracket || isRemark(code.from(2).text, whole));
+  if (isSlashed || code.text.starts_with(';') || (code.text.starts_with('#') && !isDirective)) {
     return {};
   }
   const bool hasArrow = arrowOf(text).has_value();
+  bool areRolls = false;
   for (std::size_t at = 1; at < text.size(); ++at) {
     core::pollWork();
     const bool isSlashes = text.substr(at).starts_with("//");
-    const bool isSign = isSlashes || text[at] == '#';
+    const bool isSign = (isSlashes && !areRolls) || text[at] == '#';
     const std::size_t behind = at + (isSlashes ? 2 : 1);
     const bool isBeforeBlank = behind >= text.size() || text[behind] == ' ' || text[behind] == '\t';
     // in a string of modules two slashes are two rolls, and '#' is a symbol
-    if (isSign && (text[at - 1] == ' ' || text[at - 1] == '\t') && (isBeforeBlank || !hasArrow) && !isDirective &&
-        (!isSlashes || !hasArrow || isRemark(text.substr(std::min(behind, text.size())), whole))) {
+    const bool hasModules = hasArrow || (isSlashes && isInBracket);
+    if (!isSign || (text[at - 1] != ' ' && text[at - 1] != '\t') || (!isBeforeBlank && hasModules) || isDirective) {
+      continue;
+    }
+    if (!isSlashes || !hasModules || isRemark(text.substr(std::min(behind, text.size())), whole)) {
       return line.to(at).trimmed();
     }
+    areRolls = true;
   }
   return code;
+}
+
+bool hasOpenBracket(std::string_view text) {
+  return std::count(text.begin(), text.end(), '[') > std::count(text.begin(), text.end(), ']');
 }
 
 int depthChange(char c) {
@@ -273,22 +284,20 @@ std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text
 std::vector<TextPiece> textbookStatements(std::string_view text) {
   std::vector<TextPiece> statements;
   for (const TextPiece& line : linesOf(text)) {
-    const TextPiece code = withoutEnd(withoutRemark(line, text));
+    // a rest of a successor: indented, in an open bracket, or with a sign at its beginning
+    const bool isBehind = !statements.empty() && arrowOf(statements.back().text).has_value();
+    const bool isInBracket = isBehind && hasOpenBracket(statements.back().text);
+    const TextPiece code = withoutEnd(withoutRemark(line, isInBracket, text));
     if (code.empty()) {
       continue;
     }
     const auto arrow = arrowOf(code.text);
     const bool joinsArrow = arrow && arrow->first == 0 && !statements.empty() && !arrowOf(statements.back().text);
-    // a rest of a successor: indented, in an open bracket, or with a sign at its beginning
-    const bool isBehindProduction = !arrow && !statements.empty() && arrowOf(statements.back().text).has_value();
-    const auto isOpen = [](std::string_view before) {
-      return std::count(before.begin(), before.end(), '[') > std::count(before.begin(), before.end(), ']');
-    };
-    const bool isRest = isBehindProduction && !code.text.starts_with('#') &&
-                        (code.offset > line.offset ||
-                         std::string_view("[]{}+-&^/\\|").find(code.text.front()) != std::string_view::npos ||
-                         isOpen(statements.back().text)) &&
-                        code.text.find_first_of(":=") == std::string_view::npos && !settingOf(code);
+    const bool isRest =
+        isBehind && !arrow && !code.text.starts_with('#') &&
+        (code.offset > line.offset ||
+         std::string_view("[]{}+-&^/\\|").find(code.text.front()) != std::string_view::npos || isInBracket) &&
+        code.text.find_first_of(":=") == std::string_view::npos && !settingOf(code);
     if (joinsArrow || isRest) {
       TextPiece& last = statements.back();
       last.text = text.substr(last.offset, code.offset + code.text.size() - last.offset);

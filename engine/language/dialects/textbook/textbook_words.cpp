@@ -242,8 +242,10 @@ bool isRemark(std::string_view behindSlashes, std::string_view whole) {
   }
   const bool areSymbols =
       std::all_of(words.begin(), words.end(), [&](std::string_view word) { return predecessors.contains(word); });
-  const bool hasBrackets = behindSlashes.find_first_of("[]{}") != std::string_view::npos;
-  return !areSymbols && (predecessors.empty() || !hasBrackets);
+  // brackets, or two rolls between modules once more
+  const bool hasSigns = behindSlashes.find_first_of("[]{}") != std::string_view::npos ||
+                        behindSlashes.find(" // ") != std::string_view::npos;
+  return !areSymbols && (predecessors.empty() || !hasSigns);
 }
 
 bool isProse(std::string_view text) {

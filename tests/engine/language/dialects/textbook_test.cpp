@@ -154,6 +154,15 @@ TEST(Textbook, AWedgeIsAPowerOutsideOfConditions) {
             "and parentheses");
 }
 
+TEST(Textbook, SlashesAmongWordsAreRolls) {
+  EXPECT_TRUE(contains(cpfgText("ω: flower\nflower → pedicel // wedge // leaf wedge\n"),
+                       "flower --> pedicel/ /wedge/ /leafwedge\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: flower\nflower → [ & pedicel / wedge\nwedge //// wedge ]\n"),
+                       "flower --> [&pedicel/wedgewedge/ / / /wedge]\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: flower\nflower → [ & pedicel\n// wedge ]\n"), "[&pedicel/ /wedge]\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: F\nF → F[+F]F // right // or not\n"), "F --> F[+F]F\n"));
+}
+
 TEST(Textbook, ExclamationMarkThickensAndCommaChangesTheColour) {
   const CompileResult result = compileForeign("ω: !F\nF → F,F\n");
   ASSERT_NE(result.program, nullptr);
