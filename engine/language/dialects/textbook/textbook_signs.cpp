@@ -146,25 +146,21 @@ void markEqualsRules(std::string& text) {
   }
 }
 
-// `* axiom: F`, `- F -> FF` and `2. F -> FF`: lines of a list, when the axiom is one of them or all productions are,
-// two or more or below their heading
+// `* axiom: F`, `2. F -> FF`, `- F -> FF`: lines of a list. A dash may be a symbol: it is a bullet when the axiom or
+// all productions have one
 void blankBullets(std::string& text) {
   std::vector<TextPiece> bullets;
   bool hasAxiom = false;
-  bool isBelowHeading = false;
-  std::size_t productions = 0;  // with a bullet
-  std::size_t others = 0;
+  bool areAll = true;  // productions have a bullet
   for (const TextPiece& line : linesOf(text)) {
     const TextPiece code = line.trimmed();
-    const auto heading = arrowOf(code.text) ? std::nullopt : settingOf(code);
-    isBelowHeading = isBelowHeading || (heading && heading->setting == Setting::Productions && heading->value.empty());
     std::size_t end = std::min(code.text.find_first_not_of("0123456789"), code.text.size());
     const bool isNumber = end > 0 && code.from(end).text.starts_with('.');
     end = isNumber ? end + 1 : code.text.starts_with("•") ? std::string_view("•").size() : 1;
     const bool isBullet =
         isNumber || code.text.starts_with("•") || code.text.starts_with('*') || code.text.starts_with('-');
     if (!isBullet || !code.from(end).text.starts_with(' ')) {
-      others += arrowOf(code.text) ? 1 : 0;
+      areAll = areAll && !arrowOf(code.text);
       continue;
     }
     const TextPiece rest = code.from(end).trimmed();
@@ -172,14 +168,13 @@ void blankBullets(std::string& text) {
     const auto setting = arrow ? std::nullopt : settingOf(rest);
     const bool isProduction = arrow && arrow->first > 0 && rest.text.front() != '<';
     hasAxiom = hasAxiom || (setting && setting->setting == Setting::Axiom);
-    productions += isProduction ? 1 : 0;
-    others += arrow && !isProduction ? 1 : 0;
+    areAll = areAll && (isProduction || !arrow);
     if (isProduction || setting) {
       bullets.push_back(code.to(end));
     }
   }
   for (const TextPiece& bullet : bullets) {
-    if (hasAxiom || (others == 0 && (productions > 1 || isBelowHeading))) {
+    if (hasAxiom || areAll || !bullet.text.starts_with('-')) {
       blankOut(text, bullet.offset, bullet.offset + bullet.text.size());
     }
   }

@@ -387,9 +387,9 @@ std::optional<NamedValue> axiomOf(std::string_view text) {
 }
 
 TextPiece withoutLabel(const TextPiece& statement) {
-  const std::size_t end = statement.text.find_first_of(":)");
+  const std::size_t end = statement.text.find_first_of(":)=");
   const auto arrow = arrowOf(statement.text);
-  if (end == std::string_view::npos || (arrow && arrow->first < end)) {
+  if (end == std::string_view::npos || (arrow ? arrow->first < end : statement.text[end] == '=')) {
     return statement;
   }
   const std::string label = lowered(statement.to(end).trimmed().text);

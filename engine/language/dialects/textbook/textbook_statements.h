@@ -38,7 +38,7 @@ struct NamedValue {
 /// The axioms of a set `L,R`.
 [[nodiscard]] std::vector<TextPiece> axiomsOf(TextPiece value);
 
-/// A production without its label `p1:`, `r2:`, `Rule 3:` or `4)`.
+/// A production without its label `p1:`, `P2 =`, `Rule 3:` or `4)`.
 [[nodiscard]] TextPiece withoutLabel(const TextPiece& statement);
 
 /// A predecessor without contexts `* <` and `> *`, which match anything.

@@ -163,6 +163,15 @@ TEST(Textbook, SlashesAmongWordsAreRolls) {
   EXPECT_TRUE(contains(cpfgText("ω: F\nF → F[+F]F // right // or not\n"), "F --> F[+F]F\n"));
 }
 
+TEST(Textbook, AListMayHaveOneRule) {
+  for (const char* const rule : {"1. g → gg", "• g → gg", "- g → gg", "* g → gg", "P1 = g → gg"}) {
+    EXPECT_TRUE(contains(cpfgText(std::string("axiom: g\n") + rule + "\n"), "Axiom: g\ng --> gg\n")) << rule;
+  }
+  EXPECT_TRUE(contains(cpfgText("axiom: g\n1. g → gf\nf → g\n"), "g --> gf\nf --> g\n"));
+  // a minus that is rewritten
+  EXPECT_TRUE(contains(cpfgText("axiom: F-\nF → F-F\n- → +\n"), "F --> F-F\n- --> +\n"));
+}
+
 TEST(Textbook, ExclamationMarkThickensAndCommaChangesTheColour) {
   const CompileResult result = compileForeign("ω: !F\nF → F,F\n");
   ASSERT_NE(result.program, nullptr);
