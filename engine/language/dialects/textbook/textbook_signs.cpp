@@ -73,6 +73,88 @@ void replaceSigns(std::string& text) {
   }
 }
 
+struct LatexCommand {
+  std::string_view name;
+  std::string_view sign;
+};
+constexpr std::array kLatexArrows = {LatexCommand{"\\rightarrow", "→"}, LatexCommand{"\\longrightarrow", "→"},
+                                     LatexCommand{"\\Rightarrow", "→"}, LatexCommand{"\\to", "→"}};
+constexpr std::array kLatexSigns = {LatexCommand{"\\omega", "ω"}, LatexCommand{"\\delta", "δ"},
+                                    LatexCommand{"\\leq", "≤"},   LatexCommand{"\\geq", "≥"},
+                                    LatexCommand{"\\neq", "≠"},   LatexCommand{"\\times", "×"}};
+
+// the place of a command, behind whose name no letter stands; npos: nowhere
+std::size_t findLatex(std::string_view line, std::string_view name, std::size_t from = 0) {
+  std::size_t at = line.find(name, from);
+  while (at != std::string_view::npos && at + name.size() < line.size() &&
+         std::isalpha(static_cast<unsigned char>(line[at + name.size()])) != 0) {
+    at = line.find(name, at + 1);
+  }
+  return at;
+}
+
+// whether a line has an arrow of LaTeX, and no other
+bool hasLatexArrow(std::string_view line) {
+  return !arrowOf(line) && std::any_of(kLatexArrows.begin(), kLatexArrows.end(), [line](const LatexCommand& command) {
+    return findLatex(line, command.name) != std::string_view::npos;
+  });
+}
+
+void replaceLatex(std::string& text, const TextPiece& line, const LatexCommand& command) {
+  for (std::size_t at = findLatex(line.text, command.name); at != std::string_view::npos;
+       at = findLatex(line.text, command.name, at + 1)) {
+    const std::size_t begin = line.offset + at;
+    blankOut(text, begin, begin + command.name.size());
+    text.replace(begin, command.sign.size(), command.sign);
+  }
+}
+
+// `p1: $F \rightarrow FF$`; in a text with such lines, what stands between dollars, too
+void readLatex(std::string& text) {
+  const std::vector<TextPiece> lines = linesOf(text);
+  const auto isRead = [](const TextPiece& line) {
+    return line.text.find("\\begin") == std::string_view::npos && hasLatexArrow(line.text);
+  };
+  if (std::none_of(lines.begin(), lines.end(), isRead)) {
+    return;
+  }
+  for (const TextPiece& line : lines) {
+    if (!isRead(line) && (arrowOf(line.text) || std::count(line.text.begin(), line.text.end(), '$') < 2)) {
+      continue;
+    }
+    for (const LatexCommand& command : kLatexArrows) {
+      replaceLatex(text, line, command);
+    }
+    for (const LatexCommand& command : kLatexSigns) {
+      replaceLatex(text, line, command);
+    }
+    for (std::size_t at = line.offset; at < line.offset + line.text.size(); ++at) {
+      const bool isMarked = text[at] == '\\' && std::string_view("{}#").find(text[at + 1]) != std::string_view::npos;
+      text[at] = text[at] == '$' || isMarked ? ' ' : text[at];
+    }
+  }
+}
+
+// `P = {` with its productions on lines of their own
+void blankSetBraces(std::string& text) {
+  for (const TextPiece& line : linesOf(text)) {
+    const auto set = settingOf(line.trimmed());
+    if (!set || set->setting != Setting::Productions || !set->value.text.starts_with('{')) {
+      continue;
+    }
+    int depth = 0;
+    std::size_t at = set->value.offset;
+    do {
+      depth += text[at] == '{' ? 1 : text[at] == '}' ? -1 : 0;
+      ++at;
+    } while (depth > 0 && at < text.size());
+    if (depth == 0 && at > line.offset + line.text.size()) {
+      text[set->value.offset] = ' ';
+      text[at - 1] = ' ';
+    }
+  }
+}
+
 // braces around the whole text: `{ axiom: F … }`
 void blankOuterBraces(std::string& text) {
   const std::size_t open = text.find_first_not_of(" \t\r\n");
@@ -271,6 +353,8 @@ std::string plainTextbook(std::string_view text) {
   blankComments(plain);
   replaceSigns(plain);
   blankOuterBraces(plain);
+  blankSetBraces(plain);
+  readLatex(plain);
   readFatArrows(plain);
   blankBullets(plain);
   blankQuotes(plain);

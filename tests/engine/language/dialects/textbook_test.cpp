@@ -172,6 +172,20 @@ TEST(Textbook, AListMayHaveOneRule) {
   EXPECT_TRUE(contains(cpfgText("axiom: F-\nF → F-F\n- → +\n"), "F --> F-F\n- --> +\n"));
 }
 
+TEST(Textbook, ArrowsMayBeLatex) {
+  EXPECT_TRUE(contains(cpfgText("ω: F\np1: $F \\rightarrow GF$\np2: $G \\to GG$\n"), "F --> GF\nG --> GG\n"));
+  EXPECT_TRUE(contains(
+      cpfgText("- $\\omega: A(0)$\n- $p1: F < A(x) : x=1 \\longrightarrow [-L]A(x+1)$\n- P2 = $A(x) \\to B$\n"),
+      "Axiom: A(0)\nF < A(x) : x==1 --> [-L]A(x+1)\nA(x) --> B\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: $F\nF → F\\to$F\n"), "Axiom: $F\nF --> F\\to$F\n"));
+}
+
+TEST(Textbook, ASetOfProductionsMayHaveSeveralLines) {
+  const std::string plain = cpfgText("ω: X\nX → [F]X\nF → FF\n");
+  EXPECT_EQ(cpfgText("ω: X\nP = {\n  X → [F]X,\n  F → FF\n}\n"), plain);
+  EXPECT_EQ(cpfgText("ω: X\nP = { X → [F]X,\n      F → FF }\n"), plain);
+}
+
 TEST(Textbook, ExclamationMarkThickensAndCommaChangesTheColour) {
   const CompileResult result = compileForeign("ω: !F\nF → F,F\n");
   ASSERT_NE(result.program, nullptr);
