@@ -329,9 +329,9 @@ std::optional<NamedValue> settingOf(const TextPiece& statement) {
     const auto found = find(lowered(statement.to(at).trimmed().text));
     if (found != kSettings.end()) {
       const TextPiece value = withoutQuotes(statement.from(at + 1).trimmed());
-      // α is a heading when it is a number
-      const bool isHeading = found->name == "α" && textbookNumber(value.text).has_value();
-      return NamedValue{isHeading ? Setting::Heading : found->setting, std::string(found->name), value};
+      // α is an angle when it is a number
+      const bool isAngle = found->name == "α" && textbookNumber(value.text).has_value();
+      return NamedValue{isAngle ? Setting::Angle : found->setting, std::string(found->name), value};
     }
   }
   // `axiom F`: a long name and a blank

@@ -180,6 +180,14 @@ TEST(Textbook, ArrowsMayBeLatex) {
   EXPECT_TRUE(contains(cpfgText("ω: $F\nF → F\\to$F\n"), "Axiom: $F\nF --> F\\to$F\n"));
 }
 
+TEST(Textbook, AlphaIsAnAngleAndAlphaZeroAHeading) {
+  const CompileResult result = compileForeign("ω: F+F\nα = 30°\nF → F\n");
+  ASSERT_NE(result.program, nullptr);
+  EXPECT_EQ(result.program->view.angleIncrementDegrees, 30.0);
+  EXPECT_EQ(result.program->view.initialHeading, (core::Vec3{0.0, 1.0, 0.0}));
+  EXPECT_TRUE(contains(cpfgText("ω: F(1)\nα = 30°\nF(x) → +(α)F(x)\n"), "F(x) --> +(30)F(x)\n"));
+}
+
 TEST(Textbook, ASetOfProductionsMayHaveSeveralLines) {
   const std::string plain = cpfgText("ω: X\nX → [F]X\nF → FF\n");
   EXPECT_EQ(cpfgText("ω: X\nP = {\n  X → [F]X,\n  F → FF\n}\n"), plain);
