@@ -23,7 +23,12 @@ constexpr std::array kOperators = {
     Pair{"⋅", "*"},   Pair{"÷", "/"},   Pair{"&&", "&&"}, Pair{"||", "||"}, Pair{"<>", "!="},
     Pair{"°", ""},    Pair{"◦", ""},    Pair{"º", ""},    Pair{"²", "^2"},  Pair{"³", "^3"},
     Pair{"<=", "<="}, Pair{">=", ">="}, Pair{"==", "=="}, Pair{"!=", "!="}, Pair{"=", "=="}};
-constexpr std::array<std::string_view, 10> kSubscriptDigits{"₀", "₁", "₂", "₃", "₄", "₅", "₆", "₇", "₈", "₉"};
+constexpr std::array kSubscripts = {Pair{"₀", "0"}, Pair{"₁", "1"}, Pair{"₂", "2"}, Pair{"₃", "3"}, Pair{"₄", "4"},
+                                    Pair{"₅", "5"}, Pair{"₆", "6"}, Pair{"₇", "7"}, Pair{"₈", "8"}, Pair{"₉", "9"},
+                                    Pair{"₊", "+"}, Pair{"₋", "-"}, Pair{"ₐ", "a"}, Pair{"ₑ", "e"}, Pair{"ₕ", "h"},
+                                    Pair{"ᵢ", "i"}, Pair{"ⱼ", "j"}, Pair{"ₖ", "k"}, Pair{"ₗ", "l"}, Pair{"ₘ", "m"},
+                                    Pair{"ₙ", "n"}, Pair{"ₒ", "o"}, Pair{"ₚ", "p"}, Pair{"ᵣ", "r"}, Pair{"ₛ", "s"},
+                                    Pair{"ₜ", "t"}, Pair{"ᵤ", "u"}, Pair{"ᵥ", "v"}, Pair{"ₓ", "x"}};
 constexpr std::string_view kLeafSign = "♠";
 constexpr std::string_view kWedge = "∧";
 
@@ -114,19 +119,14 @@ std::optional<double> textbookNumber(std::string_view text) {
 }
 
 Subscript readSubscript(std::string_view text, std::size_t& at) {
-  std::string digits;
-  for (bool isFound = true; isFound;) {
-    isFound = false;
-    for (std::size_t digit = 0; digit < kSubscriptDigits.size(); ++digit) {
-      if (text.substr(at).starts_with(kSubscriptDigits[digit])) {
-        digits += static_cast<char>('0' + digit);
-        at += kSubscriptDigits[digit].size();
-        isFound = true;
-      }
-    }
+  std::string small;
+  for (const Pair* sign = pairAt(kSubscripts, text.substr(std::min(at, text.size()))); sign != nullptr;
+       sign = pairAt(kSubscripts, text.substr(at))) {
+    small += sign->second;
+    at += sign->first.size();
   }
-  if (!digits.empty()) {
-    return subscriptOf(digits);
+  if (!small.empty()) {
+    return subscriptOf(small);
   }
   if (at + 1 >= text.size() || text[at] != '_') {
     return {};

@@ -188,6 +188,11 @@ TEST(Textbook, AlphaIsAnAngleAndAlphaZeroAHeading) {
   EXPECT_TRUE(contains(cpfgText("ω: F(1)\nα = 30°\nF(x) → +(α)F(x)\n"), "F(x) --> +(30)F(x)\n"));
 }
 
+TEST(Textbook, SubscriptsMayBeSmallLetters) {
+  EXPECT_EQ(cpfgText("ω: Fₗ\np₁: Fₗ → Fₗ+Fᵣ\np₂: Fᵣ → −Fₗ\n"), cpfgText("ω: F_l\nF_l → F_l+F_r\nF_r → −F_l\n"));
+  EXPECT_EQ(cpfgText("Lₙ₊₁ = +RₙF\nRₙ₊₁ = −Lₙ\n"), cpfgText("L_{n+1} = +R_nF\nR_{n+1} = -L_n\n"));
+}
+
 TEST(Textbook, ASetOfProductionsMayHaveSeveralLines) {
   const std::string plain = cpfgText("ω: X\nX → [F]X\nF → FF\n");
   EXPECT_EQ(cpfgText("ω: X\nP = {\n  X → [F]X,\n  F → FF\n}\n"), plain);
