@@ -217,6 +217,13 @@ class TextbookReader {
       report_.error(statement.offset, statement.text.size(), "a setting without a value", "write it behind the name");
       return;
     }
+    if (setting.setting == Setting::Steps && isDerivedString(setting.value.text)) {
+      if (!std::exchange(hasDerivedStrings_, true)) {
+        report_.note(statement.offset, statement.text.size(), "lines such as 'n = 1 : AB' show strings of the model",
+                     "they are skipped; 'n = 4' sets the number of steps");
+      }
+      return;
+    }
     const bool isOne =
         setting.setting == Setting::Axiom || setting.setting == Setting::Angle || setting.setting == Setting::Steps;
     if (isOne && !isSet_.insert(setting.setting).second) {
@@ -260,6 +267,12 @@ class TextbookReader {
       model_.angleDegrees = *number;
       hasAngle_ = true;
     }
+  }
+
+  // `0 : A`, a line of a list of the strings of all steps
+  static bool isDerivedString(std::string_view value) {
+    const std::size_t mark = std::min(value.find_first_not_of("0123456789 "), value.size());
+    return mark > 0 && value.substr(mark).starts_with(':');
   }
 
   // `4`, or `d/4`: a step of the next generation is a quarter as long
@@ -597,6 +610,7 @@ class TextbookReader {
   int highestLevel_ = 0;
   std::size_t recurrenceOffset_ = 0;
   bool hasNamedAxiom_ = false;
+  bool hasDerivedStrings_ = false;
   std::set<Setting> isSet_;  // of those that a model has once
   std::set<char> drawnLetters_;
   bool isBehind_ = false;

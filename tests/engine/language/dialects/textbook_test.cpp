@@ -199,6 +199,17 @@ TEST(Textbook, ASetOfProductionsMayHaveSeveralLines) {
   EXPECT_EQ(cpfgText("ω: X\nP = { X → [F]X,\n      F → FF }\n"), plain);
 }
 
+TEST(Textbook, StringsOfAllStepsAreSkipped) {
+  const std::string text =
+      "variables : A B\nconstants : none\naxiom : A\nrules : (A → AB), (B → A)\nwhich produces:\nn = 0 : A\n"
+      "n = 1 : AB\n";
+  EXPECT_EQ(foreignMessages(text),
+            (Messages{"5:1: warning: 'which produces:' is read as a remark | begin remarks with '#'",
+                      "6:1: warning: lines such as 'n = 1 : AB' show strings of the model | they are skipped; 'n = 4' "
+                      "sets the number of steps"}));
+  EXPECT_TRUE(contains(cpfgText(text + "n = 4\n"), "derivation length: 4\nAxiom: A\n"));
+}
+
 TEST(Textbook, ExclamationMarkThickensAndCommaChangesTheColour) {
   const CompileResult result = compileForeign("ω: !F\nF → F,F\n");
   ASSERT_NE(result.program, nullptr);
