@@ -109,8 +109,25 @@ class TextbookReader {
                          [](char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }));
   }
 
+  // `The parameter δ is 22°.`
+  static std::optional<double> angleOfSentence(std::string_view text) {
+    const std::size_t end = std::min(text.find("°"), text.find("◦"));
+    if (end == std::string_view::npos || text.find("δ") == std::string_view::npos) {
+      return std::nullopt;
+    }
+    const std::size_t begin = text.substr(0, end).find_last_not_of("0123456789., ") + 1;
+    return textbookNumber(text.substr(begin, end - begin));
+  }
+
   void readOtherLine(const TextPiece& statement) {
     const std::string shown(statement.text.substr(0, 40));
+    if (const auto degrees = angleOfSentence(statement.text)) {
+      report_.note(statement.offset, statement.text.size(), "'" + shown + "' is read as the angle",
+                   "write 'δ = " + cpfgNumber(*degrees) + "°'");
+      model_.angleDegrees = *degrees;
+      hasAngle_ = true;
+      return;
+    }
     const std::size_t mark = statement.text.find_first_of(":=");
     const std::string_view near = mark == std::string_view::npos
                                       ? std::string_view{}
@@ -122,7 +139,7 @@ class TextbookReader {
     } else if (mark != std::string_view::npos && textbookNumber(statement.from(mark + 1).text)) {
       report_.warn(statement.offset, mark, "nothing in the model uses '" + shown + "'",
                    "use the name or remove the line");
-    } else if (isProse(statement.text)) {
+    } else if (isProse(statement.text) || statement.text.ends_with(':')) {
       report_.warn(statement.offset, statement.text.size(), "'" + shown + "' is read as a remark",
                    "begin remarks with '#'");
     } else {

@@ -210,6 +210,12 @@ TEST(Textbook, StringsOfAllStepsAreSkipped) {
   EXPECT_TRUE(contains(cpfgText(text + "n = 4\n"), "derivation length: 4\nAxiom: A\n"));
 }
 
+TEST(Textbook, ASentenceMayHoldTheAngle) {
+  const CompileResult result = compileForeign("L-system:\nω = F\nP: F → F+F\nParametr δ wynosi 35,7° .\n");
+  ASSERT_NE(result.program, nullptr);
+  EXPECT_EQ(result.program->view.angleIncrementDegrees, 35.7);
+}
+
 TEST(Textbook, ExclamationMarkThickensAndCommaChangesTheColour) {
   const CompileResult result = compileForeign("ω: !F\nF → F,F\n");
   ASSERT_NE(result.program, nullptr);
