@@ -36,6 +36,18 @@ bool isSame(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
 }
 
+// the text of a file with plain blanks in place of those of print, each as long as it was
+std::string foreignText(std::string_view bytes) {
+  std::string text = files::asUtf8(bytes);
+  for (const std::string_view blank :
+       {"\u00A0", "\u2002", "\u2003", "\u2007", "\u2009", "\u200A", "\u200B", "\u202F", "\u3000", "\uFEFF"}) {
+    for (std::size_t at = text.find(blank); at != std::string::npos; at = text.find(blank, at)) {
+      text.replace(at, blank.size(), blank.size(), ' ');
+    }
+  }
+  return text;
+}
+
 // the asked dialect, or the first that recognises a text; null: cpfg, or none of that name
 const Dialect* dialectOf(std::string_view asked, std::string_view text) {
   if (asked == kCpfgDialect || (asked.empty() && looksLikeCpfg(text))) {
@@ -129,7 +141,7 @@ std::vector<std::string> entriesOf(const CompileInput& input, core::FileProvider
   if (!text || text->size() > input.limits.maximumSourceBytes || !fileWithoutText(*text).message.empty()) {
     return {};
   }
-  const std::string foreign = files::asUtf8(*text);
+  const std::string foreign = foreignText(*text);
   const Dialect* const dialect = dialectOf(input.dialect, foreign);
   std::vector<std::string> names;
   if (dialect != nullptr && dialect->entries != nullptr) {
@@ -148,7 +160,7 @@ std::optional<TranslatedModel> translateForeign(const CompileInput& input, core:
   }
   TranslatedModel translated;
   const ForeignFile noText = fileWithoutText(*text);
-  translated.foreign = {named.file, noText.message.empty() ? files::asUtf8(*text) : std::string{}};
+  translated.foreign = {named.file, noText.message.empty() ? foreignText(*text) : std::string{}};
   const std::string& foreign = translated.foreign.text;
   const bool isAsked = !input.dialect.empty();
   const ForeignFile other = noText.message.empty() && !isAsked ? modelOfOtherProgram(foreign) : noText;

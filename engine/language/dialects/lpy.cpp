@@ -19,6 +19,7 @@ constexpr std::string_view kCylinders = "line style: cylinder";
 std::string sectionOf(const TextPiece& code) {
   const std::size_t colon = code.text.find(':');
   std::string word = lowered(code.to(colon).trimmed().text);
+  word.erase(std::unique(word.begin(), word.end(), [](char a, char b) { return a == ' ' && b == ' '; }), word.end());
   if (word == "endlsystem") {
     return word;
   }

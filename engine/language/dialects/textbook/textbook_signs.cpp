@@ -17,15 +17,13 @@ namespace {
 
 using Replacement = std::pair<std::string_view, char>;
 constexpr std::array kReplacements = {
-    Replacement{"−", '-'},      Replacement{"–", '-'},      Replacement{"—", '-'},      Replacement{"‐", '-'},
-    Replacement{"‑", '-'},      Replacement{"’", '\''},     Replacement{"‘", '\''},     Replacement{"′", '\''},
-    Replacement{"´", '\''},     Replacement{"“", '"'},      Replacement{"”", '"'},      Replacement{"„", '"'},
-    Replacement{"∣", '|'},      Replacement{"│", '|'},      Replacement{"＋", '+'},     Replacement{"∗", '*'},
-    Replacement{"∕", '/'},      Replacement{"⁄", '/'},      Replacement{"∖", '\\'},     Replacement{"＝", '='},
-    Replacement{"：", ':'},     Replacement{"（", '('},     Replacement{"）", ')'},     Replacement{"，", ','},
-    Replacement{"ˆ", '^'},      Replacement{"\u00A0", ' '}, Replacement{"\u2002", ' '}, Replacement{"\u2003", ' '},
-    Replacement{"\u2009", ' '}, Replacement{"\u200A", ' '}, Replacement{"\u200B", ' '}, Replacement{"\u202F", ' '},
-    Replacement{"\u3000", ' '}, Replacement{"\uFEFF", ' '}, Replacement{"\u00AD", ' '}, Replacement{"\u2028", '\n'},
+    Replacement{"−", '-'},  Replacement{"–", '-'},      Replacement{"—", '-'},       Replacement{"‐", '-'},
+    Replacement{"‑", '-'},  Replacement{"’", '\''},     Replacement{"‘", '\''},      Replacement{"′", '\''},
+    Replacement{"´", '\''}, Replacement{"“", '"'},      Replacement{"”", '"'},       Replacement{"„", '"'},
+    Replacement{"∣", '|'},  Replacement{"│", '|'},      Replacement{"＋", '+'},      Replacement{"∗", '*'},
+    Replacement{"∕", '/'},  Replacement{"⁄", '/'},      Replacement{"∖", '\\'},      Replacement{"＝", '='},
+    Replacement{"：", ':'}, Replacement{"（", '('},     Replacement{"）", ')'},      Replacement{"，", ','},
+    Replacement{"ˆ", '^'},  Replacement{"\u00AD", ' '}, Replacement{"\u2028", '\n'},
 };
 
 void blankOut(std::string& text, std::size_t begin, std::size_t end) {

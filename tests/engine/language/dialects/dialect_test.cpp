@@ -45,6 +45,24 @@ TEST(Dialect, FilesOfOtherEditorsAreReadToo) {
             "species");
 }
 
+TEST(Dialect, BlanksOfPrintAreBlanks) {
+  const auto same = [](const std::string& text) {
+    std::string printed;
+    for (const char c : text) {
+      printed += c == ' ' ? std::string("\u00A0") : std::string(1, c);
+    }
+    EXPECT_FALSE(cpfgText(text).empty()) << text;
+    EXPECT_EQ(cpfgText(printed), cpfgText(text)) << text;
+  };
+  same("Koch {\n Angle 6\n Axiom F\n F=F + F\n}\n");
+  same("axiom F\nangle 60\nprule F -> F+F\n");
+  same("recursion 3\nthickness 5\naxiom F\nrule F=FF\n");
+  same("Axiom: A(1)\nderivation length: 2\nproduction:\nA(x) :\n  if x > 1:\n    produce F\n  produce A(x)\n");
+  same("Espécie 6\nAxioma: F\nRegras: F -> F[+F]F\n");
+  same("w: F\np: F -> F[+F]F : 0.5\n");
+  same("ω = F\nF → F F\nIteracja : 2\n");
+}
+
 TEST(Dialect, FilesOfOldSystemsAreReadToo) {
   const std::string text = "axiom: F\nF -> F+F\nangle: 60\n";
   const std::string plain = cpfgText(text);
