@@ -46,10 +46,30 @@ struct Command {
   TextPiece line;
 };
 
+// the place of a remark: a sign at the beginning of a line or behind a blank. In a string of symbols a blank stands
+// behind it, too
+std::size_t remarkOf(std::string_view code) {
+  const std::string word = lowered(code.substr(0, code.find_first_of(" \t:=")));
+  const bool hasSymbols = word == "axiom" || word == "prule";
+  // the first symbol may be such a sign
+  const std::size_t begin = hasSymbols ? code.find_first_not_of(" \t:=", word.size()) + 1 : 0;
+  for (std::size_t at = begin; at < code.size(); ++at) {
+    const std::size_t length = code.substr(at).starts_with("//") ? 2 : code[at] == '#' || code[at] == ';' ? 1 : 0;
+    const std::string_view behind = code.substr(std::min(at + length, code.size()));
+    const auto isBlank = [](char c) { return c == ' ' || c == '\t'; };
+    if (length > 0 && (at == 0 || isBlank(code[at - 1])) &&
+        (!hasSymbols || behind.empty() || isBlank(behind.front()))) {
+      return at;
+    }
+  }
+  return code.size();
+}
+
 // a line without its remark; nothing for an empty line
 std::optional<Command> commandOf(const TextPiece& line) {
-  const TextPiece code = line.trimmed();
-  if (code.empty() || code.text.starts_with('#') || code.text.starts_with(';') || code.text.starts_with("//")) {
+  const TextPiece whole = line.trimmed();
+  const TextPiece code = whole.to(remarkOf(whole.text)).trimmed();
+  if (code.empty()) {
     return std::nullopt;
   }
   const std::size_t end = std::min(code.text.find_first_of(" \t:="), code.text.size());

@@ -20,6 +20,16 @@ TEST(LsystemViewer, AcceptsEveryPunctuation) {
   EXPECT_EQ(cpfgText("# a remark\nGENERATIONS 2\nangle 120/2\naxiom F\nprule F --> F + F\n"), plain);
 }
 
+TEST(LsystemViewer, RemarksMayStandBehindACommand) {
+  const std::string plain = cpfgText("generations 2\nangle 60\naxiom F\nprule F -> F+F\nprule ; -> F\n");
+  ASSERT_FALSE(plain.empty());
+  EXPECT_EQ(cpfgText("generations 2 # two\nangle 60 //degrees\naxiom F // start\nprule F -> F+F ; rule\n"
+                     "prule ; -> F # a sign\n; all\n"),
+            plain);
+  // without blanks on both sides they are symbols
+  EXPECT_NE(cpfgText("axiom F;F/F//F\nstep 1\n").find("Axiom: F;F/ F/ / F\n"), std::string::npos);
+}
+
 TEST(LsystemViewer, HasTheStatedDefaults) {
   const CompileResult result = compileForeign("axiom F\nstep 2\n");
   ASSERT_NE(result.program, nullptr);
