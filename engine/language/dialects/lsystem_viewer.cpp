@@ -9,6 +9,7 @@
 
 #include "engine/core/number_text.h"
 #include "engine/language/dialects/text_lines.h"
+#include "engine/language/dialects/textbook/textbook_statements.h"
 
 namespace espalier::language {
 namespace {
@@ -323,8 +324,7 @@ bool recognisesLsystemViewer(std::string_view text) {
       // arrows and `F=F+F` without `prule` are textbook notation
       const std::string_view code = command->line.text;
       const bool isCommand = std::find(kCommands.begin(), kCommands.end(), command->name) != kCommands.end();
-      hasOtherRule = hasOtherRule || code.find("->") != std::string_view::npos ||
-                     code.find("→") != std::string_view::npos || code.find("–>") != std::string_view::npos ||
+      hasOtherRule = hasOtherRule || arrowOf(code) || code.find("–>") != std::string_view::npos ||
                      code.find("−>") != std::string_view::npos ||
                      (!isCommand && command->name.size() == 1 && code.find('=') != std::string_view::npos) ||
                      command->name == "rule" || command->name == "rules" || command->name == "productions";

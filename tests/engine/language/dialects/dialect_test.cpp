@@ -16,6 +16,7 @@ TEST(Dialect, IsRecognisedByContent) {
   EXPECT_EQ(recognised("axiom F\nangle 60\nprule F -> F+F\n"), "lsv");
   EXPECT_EQ(recognised("axiom: F\nF -> F+F--F+F\nangle: 60\n"), "textbook");
   EXPECT_EQ(recognised("axiom: F\nangle: 60\nF=F+F--F+F\n"), "textbook");
+  EXPECT_EQ(recognised("axiom: F\nF ⟹ F+F--F+F\nangle: 60\n"), "textbook");
   EXPECT_EQ(recognised("recursion 3\nthickness 5\naxiom F\nrule F=FF\n"), "lparser");
   EXPECT_EQ(recognised("3\n90\n10\nF\nF=FF\n@\n"), "lparser");
   EXPECT_EQ(recognised("Axiom: F\nproduction:\nF --> FF\n"), "lpy");
