@@ -41,8 +41,36 @@ constexpr std::array kLabels = {
     LabelName{"Giro", Label::Turn},
     LabelName{"Turn", Label::Turn},
 };
-constexpr std::array<std::string_view, 2> kSpecies{"Espécie ", "Species "};
 constexpr double kMostGenerations = 1000.0;
+
+// a word in small letters without accents, in both of Unicode's ways of writing them
+std::string plainWord(std::string_view word) {
+  constexpr std::string_view kBases = "aaaaaaaceeeeiiiidnooooo*ouuuuyts";  // of À to ß, and of à to ÿ
+  std::string plain;
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(word[i]);
+    if (byte == 0xC3 && i + 1 < word.size()) {
+      plain += kBases[static_cast<unsigned char>(word[++i]) % kBases.size()];
+    } else if (byte == 0xCC || byte == 0xCD) {
+      ++i;  // an accent of its own
+    } else {
+      plain += lowered(word[i]);
+    }
+  }
+  return plain;
+}
+
+std::optional<Label> speciesLabel(std::string_view word) {
+  static const auto kByPlainName = [] {
+    std::map<std::string, Label> names;
+    for (const LabelName& label : kLabels) {
+      names.emplace(plainWord(label.name), label.label);
+    }
+    return names;
+  }();
+  const auto found = kByPlainName.find(plainWord(word));
+  return found == kByPlainName.end() ? std::nullopt : std::optional(found->second);
+}
 
 struct SpeciesStatement {
   Label label = Label::Species;
@@ -53,23 +81,19 @@ struct SpeciesStatement {
 // the value of a line, or of a piece of one, with a label; a line without a label continues the rules before it
 std::optional<SpeciesStatement> statementOf(const TextPiece& line) {
   const TextPiece code = line.trimmed();
-  for (const std::string_view word : kSpecies) {
-    if (code.text.starts_with(word)) {
-      TextPiece name = code.from(word.size()).trimmed();
-      name = name.text.ends_with(':') ? name.to(name.text.size() - 1) : name;
-      return SpeciesStatement{Label::Species, name, code};
-    }
+  const std::size_t blank = std::min(code.text.find_first_of(" \t"), code.text.size());
+  const std::string first = plainWord(code.text.substr(0, blank));
+  if (blank < code.text.size() && (first == "especie" || first == "species")) {
+    TextPiece name = code.from(blank).trimmed();
+    name = name.text.ends_with(':') ? name.to(name.text.size() - 1) : name;
+    return SpeciesStatement{Label::Species, name, code};
   }
   const std::size_t colon = code.text.find(':');
   if (colon == std::string_view::npos) {
     return std::nullopt;
   }
-  for (const LabelName& label : kLabels) {
-    if (code.to(colon).trimmed().text == label.name) {
-      return SpeciesStatement{label.label, code.from(colon + 1).trimmed(), code};
-    }
-  }
-  return std::nullopt;
+  const std::optional<Label> label = speciesLabel(code.to(colon).trimmed().text);
+  return label ? std::optional(SpeciesStatement{*label, code.from(colon + 1).trimmed(), code}) : std::nullopt;
 }
 
 // where a label begins behind a blank; npos: nowhere
@@ -78,9 +102,7 @@ std::size_t findLabel(std::string_view code) {
     const std::string_view rest = code.substr(i + 1);
     const std::string_view word = rest.substr(0, rest.find_first_of(" \t:"));
     const std::size_t end = rest.find_first_not_of(" \t", word.size());
-    const bool isLabel =
-        std::any_of(kLabels.begin(), kLabels.end(), [&](const LabelName& label) { return label.name == word; });
-    if (isLabel && end != std::string_view::npos && rest[end] == ':') {
+    if (end != std::string_view::npos && rest[end] == ':' && speciesLabel(word)) {
       return i + 1;
     }
   }
@@ -196,8 +218,9 @@ class SpeciesReader {
   }
 
   void readDraw(const TextPiece& value) {
-    const bool isModule = value.text == "módulo" || value.text == "module";
-    if (!isModule && value.text != "geração" && value.text != "generation") {
+    const std::string word = plainWord(value.text);
+    const bool isModule = word == "modulo" || word == "module";
+    if (!isModule && word != "geracao" && word != "generation") {
       report_.error(value.offset, value.text.size(),
                     "expected how rules are drawn, found '" + std::string(value.text.substr(0, 40)) + "'",
                     "'geração' (generation): one rule for the whole string; 'módulo' (module): one for each module");
@@ -205,11 +228,18 @@ class SpeciesReader {
     drawsByModule_ = isModule;
   }
 
+  // `4`, or `4,5` with a comma
+  static std::optional<double> number(const TextPiece& value) {
+    std::string plain(value.trimmed().text);
+    std::replace(plain.begin(), plain.end(), ',', '.');
+    return core::parseNumber(plain);
+  }
+
   // `4..8` or `5`
   Range range(const TextPiece& value, double least, double most, Range fallback) {
     const std::size_t dots = value.text.find("..");
-    const auto first = core::parseNumber(value.to(dots).trimmed().text);
-    const auto last = dots == std::string_view::npos ? first : core::parseNumber(value.from(dots + 2).trimmed().text);
+    const auto first = number(value.to(dots));
+    const auto last = dots == std::string_view::npos ? first : number(value.from(dots + 2));
     if (!first || !last || *first < least || *last > most || *first > *last) {
       report_.error(value.offset, value.text.size(),
                     "expected a range from " + cpfgNumber(least) + " to " + cpfgNumber(most) + ", found '" +

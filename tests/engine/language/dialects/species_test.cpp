@@ -42,6 +42,15 @@ TEST(Species, ATurnAboutTheAxisMayComeWithEachBranch) {
   EXPECT_FALSE(contains(cpfgText(species("Giro: 0\n")), "[ -->"));
 }
 
+TEST(Species, LabelsMayLackAccentsAndHaveAnyCase) {
+  const std::string plain = cpfgText(species("Ângulo: 20.5..30.5\nSorteio: módulo\n"));
+  EXPECT_EQ(cpfgText("ESPECIE 6\nvariaveis: F\nCONSTANTES: +, -, [, ]\naxioma: F\nRegras: F -> F[+F]F,\n  F -> F[-F]F\n"
+                     "angulo: 20,5..30,5\nsorteio: modulo\n"),
+            plain);
+  // an accent of its own
+  EXPECT_EQ(cpfgText(species("A\u0302ngulo: 20.5..30.5\nSorteio: mo\u0301dulo\n")), plain);
+}
+
 TEST(Species, LabelsMayBeEnglish) {
   EXPECT_EQ(cpfgText("Species 6\nVariables: F\nConstants: +, -, [, ]\nAxiom: F\nRules: F -> F[+F]F, F -> F[-F]F\n"),
             cpfgText(species("")));
