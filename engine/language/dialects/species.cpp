@@ -144,7 +144,7 @@ class SpeciesReader {
       const TextPiece code = line.trimmed();
       const std::optional<SpeciesStatement> statement = statementOf(line);
       if (statement && statement->label == Label::Species) {
-        isInside = entry.empty() || statement->value.text == entry;
+        isInside = entry.empty() || statement->line.offset == begin;
         isInRules = false;
       } else if (isInside || entry.empty()) {
         if (statement) {
@@ -431,10 +431,14 @@ bool recognisesSpecies(std::string_view text) {
 
 std::vector<DialectEntry> speciesEntries(std::string_view text) {
   std::vector<DialectEntry> entries;
+  std::map<std::string, std::size_t> counts;
   for (const TextPiece& line : piecesOf(text)) {
     const std::optional<SpeciesStatement> statement = statementOf(line);
     if (statement && statement->label == Label::Species) {
-      entries.push_back({std::string(statement->value.text), statement->line.offset});
+      // the second of equal names is NAME-2
+      const std::string name(statement->value.text);
+      const std::size_t count = ++counts[lowered(name)];
+      entries.push_back({name + (count > 1 ? "-" + std::to_string(count) : ""), statement->line.offset});
     }
   }
   return entries;

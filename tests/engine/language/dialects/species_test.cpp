@@ -51,6 +51,14 @@ TEST(Species, LabelsMayLackAccentsAndHaveAnyCase) {
   EXPECT_EQ(cpfgText(species("A\u0302ngulo: 20.5..30.5\nSorteio: mo\u0301dulo\n")), plain);
 }
 
+TEST(Species, TheSecondOfEqualNamesHasANumber) {
+  const std::string text = "Espécie A\nAxioma: F\nRegras: F -> FF\nEspécie A\nAxioma: G\nRegras: G -> GG\n";
+  ASSERT_EQ(speciesEntries(text).size(), 2U);
+  EXPECT_EQ(speciesEntries(text)[1].name, "A-2");
+  EXPECT_TRUE(contains(cpfgText(text, "A"), "\nF --> FF\nhomomorphism"));
+  EXPECT_TRUE(contains(cpfgText(text, "A-2"), "Axiom: G\nG --> GG\n"));
+}
+
 TEST(Species, LabelsMayBeEnglish) {
   EXPECT_EQ(cpfgText("Species 6\nVariables: F\nConstants: +, -, [, ]\nAxiom: F\nRules: F -> F[+F]F, F -> F[-F]F\n"),
             cpfgText(species("")));
