@@ -9,6 +9,7 @@ namespace espalier::language {
 namespace {
 
 constexpr std::size_t kMostPaths = 500;
+constexpr std::size_t kMostLoopRuns = 100000;
 
 // L-Py's names of more than one character; the declared names of the model come first
 constexpr std::array<std::string_view, 40> kKnownNames{
@@ -326,6 +327,7 @@ void LpyRules::addRule(const TextPiece& headText, const std::optional<TextPiece>
   draws_.statements.clear();
   draws_.areNamed = !successor;
   hasFailed_ = false;
+  repetitions_ = 0;
   Path start{scope_, {}, {}, {}, {}, false, false};
   const auto head = readHead(headText, start.scope);
   if (!head) {
@@ -367,6 +369,16 @@ void LpyRules::addRule(const TextPiece& headText, const std::optional<TextPiece>
 
 // ---- blocks of rules
 
+bool LpyRules::countRepetition(const TextPiece& loop, std::size_t paths) {
+  repetitions_ += paths;
+  if (!hasFailed_ && repetitions_ > kMostLoopRuns) {
+    hasFailed_ = true;
+    report_.error(loop.offset, loop.text.size(), "the loops of a block repeat more than 100000 times",
+                  "loops are written out: write a rule that counts instead");
+  }
+  return !hasFailed_;
+}
+
 void LpyRules::refuse(const TextPiece& code, const std::string& what) {
   hasFailed_ = true;
   report_.error(code.offset, code.text.size(), what + " needs Python", std::string(kNeedsPython));
@@ -384,6 +396,9 @@ void LpyRules::runStatements(const std::vector<PythonStatement>& statements, Lpy
       const auto loop = loopOf(statement.code, paths.empty() ? scope_ : paths.front().scope, draws_, report_);
       hasFailed_ = hasFailed_ || !loop;
       for (const double value : loop ? loop->values : std::vector<double>{}) {
+        if (!countRepetition(statement.code, paths.size())) {
+          break;
+        }
         for (Path& path : paths) {
           path.scope.values[loop->variable] = lpyConstant(value);
         }
@@ -530,6 +545,9 @@ std::string LpyRules::blockText(const std::vector<PythonStatement>& statements, 
     } else if (word == "for") {
       const auto loop = loopOf(statement.code, scope, draws_, report_);
       for (const double value : loop ? loop->values : std::vector<double>{}) {
+        if (!countRepetition(statement.code, 1)) {
+          break;
+        }
         scope.values[loop->variable] = lpyConstant(value);
         add(blockText(statement.body, scope, globals));
       }

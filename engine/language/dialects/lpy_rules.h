@@ -62,6 +62,7 @@ class LpyRules {
   void runOne(const PythonStatement& statement, LpyTarget target, Path& path);
   void assign(const PythonAssignment& assignment, Path& path);
   void refuse(const TextPiece& code, const std::string& what);
+  [[nodiscard]] bool countRepetition(const TextPiece& loop, std::size_t paths);
 
   DialectReport& report_;
   LpyScope scope_;
@@ -71,6 +72,7 @@ class LpyRules {
   std::set<std::string> interpreted_;                     // names of predecessors of interpretation rules
   std::map<std::string, std::set<std::size_t>> arities_;  // of the modules in strings, by name
   std::size_t formalCount_ = 0;
+  std::size_t repetitions_ = 0;  // of all loops of a rule, once for each way through it
   bool hasFailed_ = false;
 };
 

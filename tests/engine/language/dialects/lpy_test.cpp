@@ -136,6 +136,13 @@ TEST(Lpy, WhatNeedsPythonSaysWhichLineAndWhy) {
   EXPECT_EQ(first("derivation length: 3\nproduction:\nA --> B\n"), "1:1: error: the model has no axiom");
 }
 
+TEST(Lpy, TheLoopsOfABlockHaveOneBound) {
+  EXPECT_EQ(foreignMessages("Axiom: A\nproduction:\nA:\n  for i in range(1000):\n    for j in range(1000):\n"
+                            "      nproduce F\n"),
+            Messages{"5:5: error: the loops of a block repeat more than 100000 times | loops are written out: write a "
+                     "rule that counts instead"});
+}
+
 TEST(Lpy, MessagesOfTheCompilerNameTheLpyLine) {
   EXPECT_EQ(foreignMessages("Axiom: A\nproduction:\nA --> B\nC --> D\n"),
             Messages{"4:1: warning: 'C' never matches: no axiom or successor makes the module C"});
