@@ -235,7 +235,7 @@ class LpyReader {
   }
 
   // constants: assignments, also in `if` with a constant condition
-  void readHeader(std::size_t begin, std::size_t end) { readConstants(pythonBlock(lines_, begin, end)); }
+  void readHeader(std::size_t begin, std::size_t end) { readConstants(pythonBlock(lines_, begin, end, report_)); }
 
   void readConstants(const std::vector<PythonStatement>& statements) {
     LpyScope& scope = rules_.scope();
@@ -299,7 +299,7 @@ class LpyReader {
     }
     LpyScope scope = rules_.scope();
     std::set<std::string> globals;
-    const std::vector<PythonStatement> body = pythonBlock(lines_, i, end);
+    const std::vector<PythonStatement> body = pythonBlock(lines_, i, end, report_);
     const std::string block = body.empty() ? std::string{} : rules_.blockText(body.front().body, scope, globals);
     if (name == "Start") {
       startBlock_ = block;
@@ -333,7 +333,7 @@ class LpyReader {
     }
     const TextPiece rest = code.from(colon + 1).trimmed();
     const std::vector<PythonStatement> block =
-        rest.empty() ? pythonBlock(lines_, i + 1, end) : std::vector<PythonStatement>{{rest, {}, false}};
+        rest.empty() ? pythonBlock(lines_, i + 1, end, report_) : std::vector<PythonStatement>{{rest, {}, false}};
     rules_.addRule(code.to(colon).trimmed(), std::nullopt, block, target, productions);
   }
 

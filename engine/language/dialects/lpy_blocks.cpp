@@ -9,6 +9,7 @@ namespace espalier::language {
 namespace {
 
 constexpr std::size_t kMostRepetitions = 1000;
+constexpr std::string_view kOneColumn = "the statements of a block begin in one column";
 
 // the end of the code of a line: a '#' outside of quotes begins a remark
 std::size_t endOfCode(std::string_view line) {
@@ -92,10 +93,16 @@ std::vector<PythonLine> pythonLines(std::string_view text) {
   return lines;
 }
 
-std::vector<PythonStatement> pythonBlock(const std::vector<PythonLine>& lines, std::size_t begin, std::size_t end) {
+std::vector<PythonStatement> pythonBlock(const std::vector<PythonLine>& lines, std::size_t begin, std::size_t end,
+                                         DialectReport& report) {
   std::vector<PythonStatement> statements;
   for (std::size_t i = begin; i < end;) {
+    if (lines[i].indent < lines[begin].indent) {
+      report.error(lines[i].code.offset, lines[i].code.text.size(), "the line begins between the columns of two blocks",
+                   std::string(kOneColumn));
+    }
     PythonStatement statement{lines[i].code, {}, false};
+    bool hasBlock = false;
     std::size_t next = i + 1;
     while (next < end && lines[next].indent > lines[i].indent) {
       ++next;
@@ -108,10 +115,19 @@ std::vector<PythonStatement> pythonBlock(const std::vector<PythonLine>& lines, s
       statement.isCompound = true;
       statement.code = lines[i].code.to(colon).trimmed();
       const TextPiece rest = lines[i].code.from(colon + 1).trimmed();
-      statement.body = rest.empty() ? pythonBlock(lines, i + 1, next) : std::vector<PythonStatement>{{rest, {}, false}};
+      hasBlock = rest.empty();
+      statement.body =
+          hasBlock ? pythonBlock(lines, i + 1, next, report) : std::vector<PythonStatement>{{rest, {}, false}};
+    }
+    if (hasBlock && next == i + 1) {
+      report.error(lines[i].code.offset, lines[i].code.text.size(),
+                   "no line of '" + word + "' is indented deeper than it", "its statements stand to the right of it");
+    } else if (!hasBlock && next > i + 1) {
+      report.error(lines[i + 1].code.offset, lines[i + 1].code.text.size(),
+                   "the line is indented deeper than its block", std::string(kOneColumn));
     }
     statements.push_back(std::move(statement));
-    i = colon != std::string_view::npos ? next : i + 1;
+    i = next;
   }
   return statements;
 }

@@ -27,9 +27,9 @@ struct PythonStatement {
 };
 
 /// The statements of lines [begin, end), which are indented alike or deeper. A statement behind the ':' of a compound
-/// one is its body.
+/// one is its body. Lines that are indented as Python forbids are errors.
 [[nodiscard]] std::vector<PythonStatement> pythonBlock(const std::vector<PythonLine>& lines, std::size_t begin,
-                                                       std::size_t end);
+                                                       std::size_t end, DialectReport& report);
 
 /// `name`, `=`, `+=`, ... and the value of an assignment.
 struct PythonAssignment {

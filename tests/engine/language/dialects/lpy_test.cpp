@@ -136,6 +136,20 @@ TEST(Lpy, WhatNeedsPythonSaysWhichLineAndWhy) {
   EXPECT_EQ(first("derivation length: 3\nproduction:\nA --> B\n"), "1:1: error: the model has no axiom");
 }
 
+TEST(Lpy, WrongIndentationIsAnError) {
+  const auto messages = [](const std::string& block) {
+    return foreignMessages("Axiom: A(1)\nproduction:\nA(x):\n" + block);
+  };
+  const std::string column = " | the statements of a block begin in one column";
+  EXPECT_EQ(messages("  produce F(x)\n    A(x+1)\n"),
+            Messages{"5:5: error: the line is indented deeper than its block" + column});
+  EXPECT_EQ(
+      messages("  if x > 0:\n  nproduce F\n  produce G\n"),
+      Messages{"4:3: error: no line of 'if' is indented deeper than it | its statements stand to the right of it"});
+  EXPECT_EQ(messages("    nproduce F\n  produce G\n"),
+            Messages{"5:3: error: the line begins between the columns of two blocks" + column});
+}
+
 TEST(Lpy, TheLoopsOfABlockHaveOneBound) {
   EXPECT_EQ(foreignMessages("Axiom: A\nproduction:\nA:\n  for i in range(1000):\n    for j in range(1000):\n"
                             "      nproduce F\n"),
