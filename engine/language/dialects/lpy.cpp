@@ -166,6 +166,9 @@ class LpyReader {
                    std::vector<PythonLine>::const_iterator end) {
     const std::size_t colon = code.text.find(':');
     TextPiece value = colon == std::string_view::npos ? TextPiece{} : code.from(colon + 1).trimmed();
+    if (section == "axiom") {
+      axiomBlock_ = axiomStatements(value, begin, end);
+    }
     // the value may stand on indented lines
     if (begin != end) {
       const TextPiece& last = (end - 1)->code;
@@ -189,6 +192,23 @@ class LpyReader {
     } else if (section == "endlsystem") {
       section_ = Section::End;
     }
+  }
+
+  // the statements of an axiom that is a block of Python, as a rule's; empty: it is a string of modules
+  std::vector<PythonStatement> axiomStatements(const TextPiece& value, std::vector<PythonLine>::const_iterator begin,
+                                               std::vector<PythonLine>::const_iterator end) {
+    const auto isStatement = [](const TextPiece& code) {
+      const std::string word = firstWord(code).first;
+      return word == "produce" || word == "nproduce" || word == "if" || word == "for" || word == "while" ||
+             word == "global" || assignmentOf(code);
+    };
+    if (!value.empty()) {
+      return isStatement(value) ? std::vector<PythonStatement>{{value, {}, false}} : std::vector<PythonStatement>{};
+    }
+    if (begin == end || !isStatement(begin->code)) {
+      return {};
+    }
+    return pythonBlock({begin, end}, 0, static_cast<std::size_t>(end - begin), report_);
   }
 
   std::optional<double> wholeNumber(const TextPiece& value, const std::string& what) {
@@ -343,7 +363,9 @@ class LpyReader {
     } else {
       rules_.draws().areNamed = false;
       checkBrackets(text_, axiom_.offset, axiom_.offset + axiom_.text.size(), "the axiom", report_);
-      model_.axiom = rules_.modules(axiom_, rules_.scope(), LpyTarget::String).value_or(MappedText{});
+      model_.axiom =
+          (axiomBlock_.empty() ? rules_.modules(axiom_, rules_.scope(), LpyTarget::String) : rules_.axiom(axiomBlock_))
+              .value_or(MappedText{});
     }
     rules_.addDrawing(model_.drawing);
     const std::string start = start_ + rules_.drawVariables() + " " + startBlock_;
@@ -370,8 +392,9 @@ class LpyReader {
   CpfgModel model_;
   Section section_ = Section::Header;
   TextPiece axiom_;
-  std::string start_;       // first values of variables
-  std::string startBlock_;  // of the function Start
+  std::vector<PythonStatement> axiomBlock_;  // empty: the axiom is a string of modules
+  std::string start_;                        // first values of variables
+  std::string startBlock_;                   // of the function Start
   std::vector<MappedText> blocks_;
   bool isChainOpen_ = false;  // an `elif` or `else` of the header may still be taken
 };

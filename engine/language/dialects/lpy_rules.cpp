@@ -367,6 +367,17 @@ void LpyRules::addRule(const TextPiece& headText, const std::optional<TextPiece>
   }
 }
 
+std::optional<MappedText> LpyRules::axiom(const std::vector<PythonStatement>& block) {
+  hasFailed_ = false;
+  repetitions_ = 0;
+  std::vector<Path> paths{Path{scope_, {}, {}, {}, {}, false, false}};
+  runStatements(block, LpyTarget::String, paths);
+  if (!hasFailed_ && (paths.size() > 1 || !paths.front().assignments.empty())) {
+    refuse(block.front().code, "an axiom that depends on a random number or changes a variable");
+  }
+  return hasFailed_ ? std::nullopt : std::optional(paths.front().successor);
+}
+
 // ---- blocks of rules
 
 bool LpyRules::countRepetition(const TextPiece& loop, std::size_t paths) {

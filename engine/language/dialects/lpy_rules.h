@@ -29,6 +29,8 @@ class LpyRules {
 
   /// A string of modules; nothing after an error.
   [[nodiscard]] std::optional<MappedText> modules(const TextPiece& text, const LpyScope& scope, LpyTarget target);
+  /// The modules that the block of an axiom produces; nothing after an error.
+  [[nodiscard]] std::optional<MappedText> axiom(const std::vector<PythonStatement>& block);
   /// Adds the productions of one rule: a predecessor with contexts, and a successor behind `-->` or a block.
   void addRule(const TextPiece& head, const std::optional<TextPiece>& successor,
                const std::vector<PythonStatement>& block, LpyTarget target, std::vector<MappedText>& productions);

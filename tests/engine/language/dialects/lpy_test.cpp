@@ -136,6 +136,21 @@ TEST(Lpy, WhatNeedsPythonSaysWhichLineAndWhy) {
   EXPECT_EQ(first("derivation length: 3\nproduction:\nA --> B\n"), "1:1: error: the model has no axiom");
 }
 
+TEST(Lpy, AnAxiomMayBeABlock) {
+  EXPECT_EQ(bodyOf("n = 2\nAxiom:\n  nproduce A(1)\n  for i in range(n): nproduce [B(i)]\nproduction:\nA(x) --> C\n"),
+            "Axiom: A(1)[B(0)][B(1)]\nA(x) --> C\n");
+  EXPECT_EQ(bodyOf("Axiom: nproduce A(1)\nproduction:\nA(x) --> C\n"), "Axiom: A(1)\nA(x) --> C\n");
+  EXPECT_EQ(bodyOf("Axiom:\n  A(1) B\nproduction:\nA(x) --> C\n"), "Axiom: A(1)B\nA(x) --> C\n");
+  const auto first = [](const std::string& block) {
+    const std::string message =
+        foreignMessages("from random import random\nAxiom:\n" + block + "production:\nA --> B\n", {}, "lpy").front();
+    return message.substr(0, message.find(" | "));
+  };
+  EXPECT_EQ(first("  while 1: nproduce A\n"), "3:3: error: 'while' needs Python");
+  EXPECT_EQ(first("  if random() < 0.5: nproduce A\n  else: nproduce B\n"),
+            "3:3: error: an axiom that depends on a random number or changes a variable needs Python");
+}
+
 TEST(Lpy, WrongIndentationIsAnError) {
   const auto messages = [](const std::string& block) {
     return foreignMessages("Axiom: A(1)\nproduction:\nA(x):\n" + block);
