@@ -192,9 +192,7 @@ class ExpressionReader {
         return fail(at_, "expected an operand before '**'");
       }
       if (takes("//")) {
-        const LpyValue quotient = binary(value, "/", unary(), [](double a, double b) { return a / b; });
-        value = quotient.number ? lpyConstant(std::floor(*quotient.number))
-                                : LpyValue{"floor" + quotient.text, std::nullopt};
+        value = floorQuotient(value, unary());
       } else if (takes("*")) {
         value = binary(value, "*", unary(), [](double a, double b) { return a * b; });
       } else if (takes("/")) {
@@ -209,6 +207,21 @@ class ExpressionReader {
       }
     }
     return value;
+  }
+
+  // of the dividend without its remainder: the quotient alone may be rounded up to a whole number
+  LpyValue floorQuotient(const LpyValue& value, const LpyValue& divisor) {
+    if (value.number && divisor.number && *divisor.number != 0.0) {
+      return lpyConstant(std::round((*value.number - pythonModulo(*value.number, *divisor.number)) / *divisor.number));
+    }
+    // a whole divisor needs no remainder, and a random number must not be drawn twice
+    const bool isWhole = divisor.number && *divisor.number == std::floor(*divisor.number);
+    const bool isDrawn = (value.text + divisor.text).find("ran(") != std::string::npos;
+    if (isWhole || isDrawn) {
+      return LpyValue{"floor(" + value.text + "/" + divisor.text + ")", std::nullopt};
+    }
+    const std::string remainder = "mod(" + value.text + "," + divisor.text + ")";
+    return LpyValue{"floor((" + value.text + "-" + remainder + ")/" + divisor.text + "+0.5)", std::nullopt};
   }
 
   LpyValue unary() {

@@ -172,6 +172,13 @@ TEST(Lpy, TheLoopsOfABlockHaveOneBound) {
                      "rule that counts instead"});
 }
 
+TEST(Lpy, AFloorQuotientIsExact) {
+  // (-3.5)/0.7 is rounded up to -5, but -5 * 0.7 is above -3.5
+  EXPECT_EQ(productionsOf("  produce A((-3.5)//0.7)\n"), "A(x) --> A((-6))\n");
+  EXPECT_EQ(productionsOf("  produce A(x//0.7)\n"), "A(x) --> A(floor((x-mod(x,0.7))/0.7+0.5))\n");
+  EXPECT_EQ(productionsOf("  produce A(7.5//-2)\n"), "A(x) --> A((-4))\n");
+}
+
 TEST(Lpy, MessagesOfTheCompilerNameTheLpyLine) {
   EXPECT_EQ(foreignMessages("Axiom: A\nproduction:\nA --> B\nC --> D\n"),
             Messages{"4:1: warning: 'C' never matches: no axiom or successor makes the module C"});
