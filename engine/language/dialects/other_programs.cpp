@@ -42,7 +42,7 @@ bool isHoudini(std::string_view text) {
   return hasPremise && hasRule;
 }
 
-// `let axiom = "F";`, `rules = {"F": "FF"}`: a list of strings in the language of a program
+// `let axiom = "F";`, `rules = {"F": "FF"}`: a list of strings in the language of a program; `new LSystem(…)`
 bool isProgram(std::string_view text) {
   bool hasAxiom = false;
   bool hasRules = false;
@@ -54,6 +54,9 @@ bool isProgram(std::string_view text) {
     }
     const std::string_view name = std::string_view(code).substr(0, equals);
     const std::string_view value = std::string_view(code).substr(equals + 1);
+    if (holdsWord(value, "new lsystem(")) {
+      return true;
+    }
     const bool isDeclared = name.starts_with("let ") || name.starts_with("var ") || name.starts_with("const ") ||
                             name.starts_with("string ") || name.starts_with("char");
     hasAxiom = hasAxiom || ((holdsWord(name, "axiom") || holdsWord(name, "sentence") || holdsWord(name, "start")) &&

@@ -114,6 +114,10 @@ TEST(Dialect, ModelsOfOtherProgramsAreNamed) {
             "1:1: error: this is an XL model for GroIMP,");
   EXPECT_EQ(foreignMessages("<!DOCTYPE html>\n<html></html>\n").front().substr(0, 45),
             "1:1: error: this is a web page or another XML");
+  EXPECT_EQ(foreignMessages("const koch = new LSystem({\n  axiom: 'F',\n  productions: {'F': 'F-F'}\n})\n")
+                .front()
+                .substr(0, 45),
+            "1:1: error: this is a program with an L-syste");
 }
 
 TEST(Dialect, EveryEntryOfAFileIsListedOnce) {
