@@ -434,7 +434,9 @@ class TextbookReader {
     MappedText text;
     std::size_t begin = 0;
     for (std::size_t at = 0; at < front.text.size(); ++at) {
-      const char c = front.text[at];
+      const std::string_view rest = front.text.substr(at);
+      const bool isSign = rest.starts_with("≤") || rest.starts_with("≥");
+      const char c = !isSign ? rest.front() : rest.starts_with("≤") ? '<' : '>';
       const bool isInside = std::count(front.text.begin(), front.text.begin() + static_cast<std::ptrdiff_t>(at), '(') >
                             std::count(front.text.begin(), front.text.begin() + static_cast<std::ptrdiff_t>(at), ')');
       if ((c != '<' && c != '>') || isInside) {
@@ -442,13 +444,13 @@ class TextbookReader {
       }
       text.add(modules_.modules({front.text.substr(begin, at - begin), front.offset + begin}));
       text.make(std::string(" ") + c + " ", front.offset + at);
-      begin = at + 1;
-      if (begin < front.text.size() && front.text[begin] == '=') {
-        report_.warn(front.offset + at, 2, std::string("'") + c + "=' is read as '" + c + "'",
+      const std::size_t length = isSign ? std::string_view("≤").size() : rest.substr(1).starts_with('=') ? 2 : 1;
+      if (length > 1) {
+        report_.warn(front.offset + at, length, "'" + std::string(rest.substr(0, length)) + "' is read as '" + c + "'",
                      "contexts are written l < a > r");
-        ++begin;
-        at = begin - 1;
       }
+      begin = at + length;
+      at = begin - 1;
     }
     if (front.from(begin).trimmed().empty()) {
       report_.error(front.offset, front.text.size(), "a production without a predecessor",

@@ -387,6 +387,9 @@ TEST(Textbook, APrintedLessOrEqualBeforeThePredecessorIsAContextWithAWarning) {
   const std::string text = "ω: FA(1)\nF <= A(x) : x=1 → F\n";
   EXPECT_TRUE(contains(cpfgText(text), "F < A(x) : x==1 --> F\n"));
   EXPECT_EQ(foreignMessages(text), Messages{"2:3: warning: '<=' is read as '<' | contexts are written l < a > r"});
+  const std::string printed = "ω: FA(1)F\nF ≤ A(x) ≥ F : x≤1 → F\n";
+  EXPECT_TRUE(contains(cpfgText(printed), "F < A(x) > F : x<=1 --> F\n"));
+  EXPECT_EQ(foreignMessages(printed).front(), "2:3: warning: '≤' is read as '<' | contexts are written l < a > r");
 }
 
 TEST(Textbook, FormsThatWereReadSilentlyAsSomethingElse) {
