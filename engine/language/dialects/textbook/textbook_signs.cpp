@@ -334,6 +334,15 @@ void blankRemarksOfWords(std::string& text) {
   }
 }
 
+// a remark between the lines of a successor
+void blankRemarks(std::string& text) {
+  std::vector<TextPiece> remarks;
+  (void)textbookStatements(text, &remarks);
+  for (const TextPiece& remark : remarks) {
+    blankOut(text, remark.offset, remark.offset + remark.text.size());
+  }
+}
+
 // `F => F+F`; `x=>3` in a line with another arrow is left to its condition
 void readFatArrows(std::string& text) {
   for (const TextPiece& line : linesOf(text)) {
@@ -359,6 +368,7 @@ std::string plainTextbook(std::string_view text) {
   blankRemarksOfWords(plain);
   markConditions(plain);
   markEqualsRules(plain);
+  blankRemarks(plain);
   return plain;
 }
 

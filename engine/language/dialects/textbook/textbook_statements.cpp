@@ -281,13 +281,17 @@ std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text
   return first;
 }
 
-std::vector<TextPiece> textbookStatements(std::string_view text) {
+std::vector<TextPiece> textbookStatements(std::string_view text, std::vector<TextPiece>* remarks) {
   std::vector<TextPiece> statements;
   for (const TextPiece& line : linesOf(text)) {
     // a rest of a successor: indented, in an open bracket, or with a sign at its beginning
     const bool isBehind = !statements.empty() && arrowOf(statements.back().text).has_value();
     const bool isInBracket = isBehind && hasOpenBracket(statements.back().text);
-    const TextPiece code = withoutEnd(withoutRemark(line, isInBracket, text));
+    const TextPiece plain = withoutRemark(line, isInBracket, text);
+    if (remarks != nullptr) {
+      remarks->push_back(plain.empty() ? line : line.from(plain.offset + plain.text.size() - line.offset));
+    }
+    const TextPiece code = withoutEnd(plain);
     if (code.empty()) {
       continue;
     }

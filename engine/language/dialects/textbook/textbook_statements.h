@@ -18,7 +18,9 @@ namespace espalier::language {
 
 /// The statements of a plain text: lines. A line that begins with an arrow, and a rest of a successor that is indented,
 /// begins with a sign or stands in an open bracket, belong to the line before. `n=5, δ=25.7°` is two statements.
-[[nodiscard]] std::vector<TextPiece> textbookStatements(std::string_view text);
+/// `remarks` receives the places of all remarks: one between the lines of a statement stands in its text.
+[[nodiscard]] std::vector<TextPiece> textbookStatements(std::string_view text,
+                                                        std::vector<TextPiece>* remarks = nullptr);
 
 enum class Setting : std::uint8_t { Axiom, Angle, Steps, Heading, Step, Turns, Productions, Ignore, Consider, Sets };
 

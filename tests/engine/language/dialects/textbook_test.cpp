@@ -163,6 +163,10 @@ TEST(Textbook, SlashesAmongWordsAreRolls) {
   EXPECT_TRUE(contains(cpfgText("ω: F\nF → F[+F]F // right // or not\n"), "F --> F[+F]F\n"));
 }
 
+TEST(Textbook, ARemarkMayStandBetweenTheLinesOfASuccessor) {
+  EXPECT_TRUE(contains(cpfgText("ω: F\nF → F[+F // left ] side\n# all of it\n]F # right [ side\n"), "F --> F[+F]F\n"));
+}
+
 TEST(Textbook, AListMayHaveOneRule) {
   for (const char* const rule : {"1. g → gg", "• g → gg", "- g → gg", "* g → gg", "P1 = g → gg"}) {
     EXPECT_TRUE(contains(cpfgText(std::string("axiom: g\n") + rule + "\n"), "Axiom: g\ng --> gg\n")) << rule;
