@@ -132,11 +132,12 @@ bool isLetterOrDigit(char c) {
 
 // a line without its remark: `//`, `#` and `;` at its beginning, and ` // ` or ` # ` behind blanks. In an open bracket
 // of the lines before, two slashes are judged as in a production
-TextPiece withoutRemark(const TextPiece& line, bool isInBracket, std::string_view whole) {
+template <typename IsRemark>
+TextPiece withoutRemark(const TextPiece& line, bool isInBracket, IsRemark isRemarkBehind) {
   const std::string_view text = line.text;
   const TextPiece code = line.trimmed();
   const bool isDirective = code.text.starts_with('#') && code.text.size() > 1 && isLetterOrDigit(code.text[1]);
-  const bool isSlashed = code.text.starts_with("//") && (!isInBracket || isRemark(code.from(2).text, whole));
+  const bool isSlashed = code.text.starts_with("//") && (!isInBracket || isRemarkBehind(code.from(2).text));
   if (isSlashed || code.text.starts_with(';') || (code.text.starts_with('#') && !isDirective)) {
     return {};
   }
@@ -153,7 +154,7 @@ TextPiece withoutRemark(const TextPiece& line, bool isInBracket, std::string_vie
     if (!isSign || (text[at - 1] != ' ' && text[at - 1] != '\t') || (!isBeforeBlank && hasModules) || isDirective) {
       continue;
     }
-    if (!isSlashes || !hasModules || isRemark(text.substr(std::min(behind, text.size())), whole)) {
+    if (!isSlashes || !hasModules || isRemarkBehind(text.substr(std::min(behind, text.size())))) {
       return line.to(at).trimmed();
     }
     areRolls = true;
@@ -161,8 +162,8 @@ TextPiece withoutRemark(const TextPiece& line, bool isInBracket, std::string_vie
   return code;
 }
 
-bool hasOpenBracket(std::string_view text) {
-  return std::count(text.begin(), text.end(), '[') > std::count(text.begin(), text.end(), ']');
+std::ptrdiff_t openBrackets(std::string_view text) {
+  return std::count(text.begin(), text.end(), '[') - std::count(text.begin(), text.end(), ']');
 }
 
 int depthChange(char c) {
@@ -283,11 +284,19 @@ std::optional<std::pair<std::size_t, std::size_t>> arrowOf(std::string_view text
 
 std::vector<TextPiece> textbookStatements(std::string_view text, std::vector<TextPiece>* remarks) {
   std::vector<TextPiece> statements;
+  std::optional<std::set<std::string_view>> predecessors;
+  const auto isRemarkBehind = [&](std::string_view slashes) {
+    if (!predecessors) {
+      predecessors = wordsOfPredecessors(text);
+    }
+    return isRemark(slashes, *predecessors);
+  };
+  // of the last statement, which grows with each line that continues it
+  bool isProduction = false;
+  std::ptrdiff_t open = 0;
   for (const TextPiece& line : linesOf(text)) {
-    // a rest of a successor: indented, in an open bracket, or with a sign at its beginning
-    const bool isBehind = !statements.empty() && arrowOf(statements.back().text).has_value();
-    const bool isInBracket = isBehind && hasOpenBracket(statements.back().text);
-    const TextPiece plain = withoutRemark(line, isInBracket, text);
+    const bool isInBracket = isProduction && open > 0;
+    const TextPiece plain = withoutRemark(line, isInBracket, isRemarkBehind);
     if (remarks != nullptr) {
       remarks->push_back(plain.empty() ? line : line.from(plain.offset + plain.text.size() - line.offset));
     }
@@ -296,20 +305,27 @@ std::vector<TextPiece> textbookStatements(std::string_view text, std::vector<Tex
       continue;
     }
     const auto arrow = arrowOf(code.text);
-    const bool joinsArrow = arrow && arrow->first == 0 && !statements.empty() && !arrowOf(statements.back().text);
+    const bool joinsArrow = arrow && arrow->first == 0 && !statements.empty() && !isProduction;
+    // a rest of a successor: indented, in an open bracket, or with a sign at its beginning
     const bool isRest =
-        isBehind && !arrow && !code.text.starts_with('#') &&
+        isProduction && !arrow && !code.text.starts_with('#') &&
         (code.offset > line.offset ||
          std::string_view("[]{}+-&^/\\|").find(code.text.front()) != std::string_view::npos || isInBracket) &&
         code.text.find_first_of(":=") == std::string_view::npos && !settingOf(code);
     if (joinsArrow || isRest) {
       TextPiece& last = statements.back();
       last.text = text.substr(last.offset, code.offset + code.text.size() - last.offset);
-    } else if (arrow) {
+      isProduction = true;
+      open += openBrackets(code.text);
+      continue;
+    }
+    if (arrow) {
       addProductions(code, statements);
     } else {
       addSettings(code, statements);
     }
+    isProduction = !statements.empty() && arrowOf(statements.back().text);
+    open = statements.empty() ? 0 : openBrackets(statements.back().text);
   }
   return statements;
 }

@@ -225,7 +225,17 @@ std::string_view wordAt(std::string_view text, const std::set<std::string, std::
   return longest;
 }
 
-bool isRemark(std::string_view behindSlashes, std::string_view whole) {
+std::set<std::string_view> wordsOfPredecessors(std::string_view text) {
+  std::set<std::string_view> predecessors;
+  for (const TextPiece& line : linesOf(text)) {
+    for (const std::string_view word : predecessorWords(line.trimmed())) {
+      predecessors.insert(word);
+    }
+  }
+  return predecessors;
+}
+
+bool isRemark(std::string_view behindSlashes, const std::set<std::string_view>& predecessors) {
   const std::vector<std::string_view> words = wordsOf(behindSlashes);
   if (words.empty()) {
     // `- - //` at the end of a line, `// A`; `// do it` is a remark
@@ -233,12 +243,6 @@ bool isRemark(std::string_view behindSlashes, std::string_view whole) {
              return std::islower(static_cast<unsigned char>(a)) != 0 &&
                     std::islower(static_cast<unsigned char>(b)) != 0;
            }) != behindSlashes.end();
-  }
-  std::set<std::string_view> predecessors;
-  for (const TextPiece& line : linesOf(whole)) {
-    for (const std::string_view word : predecessorWords(line.trimmed())) {
-      predecessors.insert(word);
-    }
   }
   const bool areSymbols =
       std::all_of(words.begin(), words.end(), [&](std::string_view word) { return predecessors.contains(word); });

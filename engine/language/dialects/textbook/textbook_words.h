@@ -17,9 +17,12 @@ namespace espalier::language {
 /// The longest of these words with which a text begins; empty: none.
 [[nodiscard]] std::string_view wordAt(std::string_view text, const std::set<std::string, std::less<>>& words);
 
-/// Whether the text behind two slashes in a production is a remark, and not modules behind two rolls. `whole` is the
-/// text of the model: its predecessors may be words.
-[[nodiscard]] bool isRemark(std::string_view behindSlashes, std::string_view whole);
+/// The words in the predecessors of a model. They are views of the text.
+[[nodiscard]] std::set<std::string_view> wordsOfPredecessors(std::string_view text);
+
+/// Whether the text behind two slashes in a production is a remark, and not modules behind two rolls. Predecessors may
+/// be words.
+[[nodiscard]] bool isRemark(std::string_view behindSlashes, const std::set<std::string_view>& predecessors);
 
 /// Words with blanks between them: a title or a remark.
 [[nodiscard]] bool isProse(std::string_view text);
