@@ -421,8 +421,9 @@ class FractintReader {
 bool recognisesFractint(std::string_view text) {
   for (const EntryText& entry : entryTexts(text)) {
     for (const TextPiece& line : linesOf(entry.body.text)) {
-      const std::string word = lowered(TextPiece{withoutComment(line.text), 0}.trimmed().text).substr(0, 5);
-      if (word == "angle" || word == "axiom") {
+      const std::string code = lowered(TextPiece{withoutComment(line.text), 0}.trimmed().text);
+      // `axiom: F` is another notation
+      if ((code.starts_with("angle") || code.starts_with("axiom")) && !code.substr(5).starts_with(':')) {
         return true;
       }
     }

@@ -153,11 +153,15 @@ void blankSetBraces(std::string& text) {
   }
 }
 
-// braces around the whole text: `{ axiom: F … }`
+// braces around the whole text, perhaps with a name: `{ axiom: F … }`, `LSystem { … }`
 void blankOuterBraces(std::string& text) {
-  const std::size_t open = text.find_first_not_of(" \t\r\n");
+  const std::size_t open = text.find('{');
   const std::size_t close = text.find_last_not_of(" \t\r\n;");
-  if (open == std::string::npos || text[open] != '{' || text[close] != '}') {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  const TextPiece name = TextPiece{std::string_view(text).substr(0, open), 0}.from(begin).trimmed();
+  const bool isName = std::all_of(name.text.begin(), name.text.end(),
+                                  [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; });
+  if (open == std::string::npos || text[close] != '}' || !isName) {
     return;
   }
   int depth = 0;
@@ -167,7 +171,7 @@ void blankOuterBraces(std::string& text) {
       return;
     }
   }
-  text[open] = ' ';
+  blankOut(text, 0, open + 1);
   text[close] = ' ';
 }
 

@@ -59,6 +59,7 @@ TEST(Textbook, StatementsMayStandInBracesAndOnOneLine) {
   const std::string plain = cpfgText("axiom: F\nF -> F+F--F+F\nangle: 60\nn: 2\n");
   EXPECT_EQ(cpfgText("{axiom: F; F -> F+F--F+F; angle: 60; n: 2}\n"), plain);
   EXPECT_EQ(cpfgText("{ axiom: F\n  F -> F+F--F+F\n  angle: 60\n  n: 2 }\n"), plain);
+  EXPECT_EQ(cpfgText("LSystem {\n  axiom: F\n  F -> F+F--F+F\n  angle: 60\n  n: 2\n}\n"), plain);
   EXPECT_EQ(cpfgText("axiom: F, rules: F -> F+F--F+F, angle: 60, n: 2\n"), plain);
   EXPECT_EQ(cpfgText("angle: 60; n: 2; axiom: F; rules: (F -> F+F--F+F)\n"), plain);
   EXPECT_TRUE(contains(cpfgText("ω: A(1); A(d) : d != 2 → A(d+1); A(d) : d = 2 → F\n"),
