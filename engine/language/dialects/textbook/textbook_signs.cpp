@@ -143,10 +143,14 @@ void blankSetBraces(std::string& text) {
     int depth = 0;
     std::size_t at = set->value.offset;
     do {
+      core::pollWork();
       depth += text[at] == '{' ? 1 : text[at] == '}' ? -1 : 0;
       ++at;
     } while (depth > 0 && at < text.size());
-    if (depth == 0 && at > line.offset + line.text.size()) {
+    if (depth > 0) {
+      return;
+    }
+    if (at > line.offset + line.text.size()) {
       text[set->value.offset] = ' ';
       text[at - 1] = ' ';
     }
