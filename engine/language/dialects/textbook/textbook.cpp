@@ -109,16 +109,6 @@ class TextbookReader {
                          [](char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }));
   }
 
-  // `The parameter δ is 22°.`
-  static std::optional<double> angleOfSentence(std::string_view text) {
-    const std::size_t end = std::min(text.find("°"), text.find("◦"));
-    if (end == std::string_view::npos || text.find("δ") == std::string_view::npos) {
-      return std::nullopt;
-    }
-    const std::size_t begin = text.substr(0, end).find_last_not_of("0123456789., ") + 1;
-    return textbookNumber(text.substr(begin, end - begin));
-  }
-
   void readOtherLine(const TextPiece& statement) {
     const std::string shown(statement.text.substr(0, 40));
     if (const auto degrees = angleOfSentence(statement.text)) {
@@ -241,8 +231,8 @@ class TextbookReader {
       }
       return;
     }
-    const bool isOne =
-        setting.setting == Setting::Axiom || setting.setting == Setting::Angle || setting.setting == Setting::Steps;
+    const bool isOne = setting.setting == Setting::Axiom || setting.setting == Setting::Steps ||
+                       (setting.setting == Setting::Angle && setting.name != "α");
     if (isOne && !isSet_.insert(setting.setting).second) {
       report_.warn(statement.offset, statement.text.size(), "'" + setting.name + "' is given once more",
                    "the last one counts; remove the others");
@@ -280,6 +270,8 @@ class TextbookReader {
     }
     if (setting.setting == Setting::Heading) {
       model_.headingDegrees = *number;
+    } else if (setting.name == "α") {
+      alpha_ = number;
     } else {
       model_.angleDegrees = *number;
       hasAngle_ = true;
@@ -489,6 +481,10 @@ class TextbookReader {
 
   void finish() {
     checkProbabilities();
+    if (alpha_) {
+      (hasAngle_ ? model_.headingDegrees : model_.angleDegrees) = *alpha_;
+      hasAngle_ = true;
+    }
     if (model_.axiom.empty() && !firstRecurrence_.empty()) {
       const auto level = steps_.value_or(static_cast<std::uint64_t>(std::max(1, highestLevel_)));
       model_.axiom.make(firstRecurrence_ + "(" + std::to_string(level) + ")", recurrenceOffset_);
@@ -635,6 +631,7 @@ class TextbookReader {
   bool isBehind_ = false;
   bool isClockwise_ = false;
   bool hasAngle_ = false;
+  std::optional<double> alpha_;  // the angle of turns, or the heading beside another angle
   std::optional<std::uint64_t> steps_;
   double step_ = 1.0;
   double divisor_ = 1.0;

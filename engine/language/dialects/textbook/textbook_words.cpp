@@ -252,6 +252,15 @@ bool isRemark(std::string_view behindSlashes, const std::set<std::string_view>& 
   return !areSymbols && (predecessors.empty() || !hasSigns);
 }
 
+std::optional<double> angleOfSentence(std::string_view text) {
+  const std::size_t end = std::min(text.find("°"), text.find("◦"));
+  if (end == std::string_view::npos || text.find("δ") == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const std::size_t begin = text.substr(0, end).find_last_not_of("0123456789., ") + 1;
+  return textbookNumber(text.substr(begin, end - begin));
+}
+
 bool isProse(std::string_view text) {
   const std::size_t blank = text.find(' ');
   const auto isWordLetter = [](char c) { return isLatinLetter(c) || static_cast<unsigned char>(c) >= 0x80; };

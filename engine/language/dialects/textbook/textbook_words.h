@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -23,6 +24,9 @@ namespace espalier::language {
 /// Whether the text behind two slashes in a production is a remark, and not modules behind two rolls. Predecessors may
 /// be words.
 [[nodiscard]] bool isRemark(std::string_view behindSlashes, const std::set<std::string_view>& predecessors);
+
+/// The angle in `The parameter δ is 22°.`
+[[nodiscard]] std::optional<double> angleOfSentence(std::string_view text);
 
 /// Words with blanks between them: a title or a remark.
 [[nodiscard]] bool isProse(std::string_view text);

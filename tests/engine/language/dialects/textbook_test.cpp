@@ -185,11 +185,16 @@ TEST(Textbook, ArrowsMayBeLatex) {
   EXPECT_TRUE(contains(cpfgText("ω: $F\nF → F\\to$F\n"), "Axiom: $F\nF --> F\\to$F\n"));
 }
 
-TEST(Textbook, AlphaIsAnAngleAndAlphaZeroAHeading) {
+TEST(Textbook, AlphaIsTheAngleOfTurnsWithoutAnother) {
   const CompileResult result = compileForeign("ω: F+F\nα = 30°\nF → F\n");
   ASSERT_NE(result.program, nullptr);
   EXPECT_EQ(result.program->view.angleIncrementDegrees, 30.0);
   EXPECT_EQ(result.program->view.initialHeading, (core::Vec3{0.0, 1.0, 0.0}));
+  const CompileResult heading = compileForeign("ω: F+F\nα = 0°\nδ = 60°\nF → F\n");
+  ASSERT_NE(heading.program, nullptr);
+  EXPECT_EQ(heading.program->view.angleIncrementDegrees, 60.0);
+  EXPECT_EQ(heading.program->view.initialHeading, (core::Vec3{1.0, 0.0, 0.0}));
+  EXPECT_EQ(foreignMessages("ω: F+F\nα = 0°\nδ = 60°\nF → F\n"), Messages{});
   EXPECT_TRUE(contains(cpfgText("ω: F(1)\nα = 30°\nF(x) → +(α)F(x)\n"), "F(x) --> +(30)F(x)\n"));
 }
 
