@@ -82,7 +82,9 @@ struct SpeciesStatement {
 std::optional<SpeciesStatement> statementOf(const TextPiece& line) {
   const TextPiece code = line.trimmed();
   const std::size_t blank = std::min(code.text.find_first_of(" \t"), code.text.size());
-  const std::string first = plainWord(code.text.substr(0, blank));
+  // only a word that may be it is made plain: a table has thousands of lines
+  const bool isLikely = !code.empty() && std::string_view("EeSs").find(code.text.front()) != std::string_view::npos;
+  const std::string first = isLikely ? plainWord(code.text.substr(0, blank)) : std::string{};
   if (blank < code.text.size() && (first == "especie" || first == "species")) {
     TextPiece name = code.from(blank).trimmed();
     name = name.text.ends_with(':') ? name.to(name.text.size() - 1) : name;
@@ -109,10 +111,11 @@ std::size_t findLabel(std::string_view code) {
   return std::string_view::npos;
 }
 
-// the lines of a text; a line that begins with a label may hold others, as a row of the published table does
-std::vector<TextPiece> piecesOf(std::string_view text) {
+// the lines of a text from `begin` on; a line that begins with a label may hold others, as a row of the published table
+// does
+std::vector<TextPiece> piecesOf(std::string_view text, std::size_t begin = 0) {
   std::vector<TextPiece> pieces;
-  for (TextPiece line : linesOf(text)) {
+  for (TextPiece line : linesOf(text.substr(begin), begin)) {
     while (statementOf(line)) {
       const TextPiece code = line.trimmed();
       const std::size_t next = findLabel(code.text);
@@ -140,10 +143,13 @@ class SpeciesReader {
     offset_ = begin;
     bool isInside = false;
     bool isInRules = false;
-    for (const TextPiece& line : piecesOf(text_)) {
+    for (const TextPiece& line : piecesOf(text_, begin)) {
       const TextPiece code = line.trimmed();
       const std::optional<SpeciesStatement> statement = statementOf(line);
       if (statement && statement->label == Label::Species) {
+        if (isInside && !entry.empty()) {
+          break;
+        }
         isInside = entry.empty() || statement->line.offset == begin;
         isInRules = false;
       } else if (isInside || entry.empty()) {
