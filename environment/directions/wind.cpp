@@ -8,6 +8,7 @@
 
 #include "engine/core/elementary.h"
 #include "engine/turtle/weather.h"
+#include "environment/base/default_lengths.h"
 #include "environment/base/length_unit.h"
 #include "environment/base/process_entry.h"
 #include "environment/directions/direction_reply.h"
@@ -30,7 +31,9 @@ constexpr std::array kWindKeys{
                      .minimumCount = 3,
                      .maximumCount = 3},
     ConfigurationKey{.name = "speed",
-                     .description = "speed, with a profile at the reference height; the weather's wind takes its place",
+                     .description =
+                         "speed, with a profile at the reference height; the weather's wind takes its place; "
+                         "the default is converted from metres",
                      .unit = "length/s",
                      .minimum = 0.0,
                      .defaultNumber = 1.0},
@@ -42,13 +45,14 @@ constexpr std::array kWindKeys{
     ConfigurationKey{
         .name = "groundHeight", .description = "height of the ground along the world's up", .unit = "length"},
     ConfigurationKey{.name = "referenceHeight",
-                     .description = "height above the ground at which the speed is known",
+                     .description = "height above the ground at which the speed is known; the default is converted "
+                                    "from metres",
                      .unit = "length",
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
                      .defaultNumber = 10.0},
     ConfigurationKey{.name = "roughness",
-                     .description = "z0 of the logarithmic profile",
+                     .description = "z0 of the logarithmic profile; the default is converted from metres",
                      .unit = "length",
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
@@ -73,21 +77,15 @@ constexpr std::array kWindKeys{
                      .minimum = 0.0},
 };
 
+constexpr std::string_view kLowReference =
+    "'referenceHeight' must be above displacement + roughness, where the wind begins";
+
 enum class Profile : std::uint8_t { Constant, Logarithmic, Power, Table };
 
 class Wind final : public turtle::EnvironmentProcess {
  public:
-  explicit Wind(const Configuration& c)
-      : direction_(core::normalised({c.numbers("direction")[0], c.numbers("direction")[1], c.numbers("direction")[2]})),
-        speed_(c.number("speed")),
-        ground_(c.number("groundHeight")),
-        reference_(c.number("referenceHeight")),
-        roughness_(c.number("roughness")),
-        displacement_(c.number("displacement")),
-        exponent_(c.number("exponent")),
-        heights_(c.numbers("heights")),
-        speeds_(c.numbers("speeds")) {
-    const auto chosen = std::find(kProfiles.begin(), kProfiles.end(), c.text("profile"));
+  explicit Wind(Configuration given) : given_(std::move(given)) {
+    const auto chosen = std::find(kProfiles.begin(), kProfiles.end(), given_.text("profile"));
     profile_ = static_cast<Profile>(chosen - kProfiles.begin());
   }
 
@@ -108,6 +106,13 @@ class Wind final : public turtle::EnvironmentProcess {
     up_ = *up;
     lengthUnit_ = context.world.lengthUnit;
     world_ = context.world;
+    read(withDefaultLengths(given_, kWindKeys, findLengthUnit(lengthUnit_)));
+    if (profile_ == Profile::Logarithmic && reference_ <= displacement_ + roughness_) {
+      return turtle::EnvironmentError{"Environment 'wind': " + std::string(kLowReference) +
+                                          ", in a world whose unit is '" + lengthUnit_ +
+                                          "'. The usual reference height is 10 m.",
+                                      false};
+    }
     isMeasured_ = world_.weather && world_.weather->has("wind") && profile_ != Profile::Table;
     if (isMeasured_ && findLengthUnit(lengthUnit_) == nullptr) {
       return unknownLengthUnit("wind", world_);
@@ -132,6 +137,19 @@ class Wind final : public turtle::EnvironmentProcess {
   }
 
  private:
+  void read(const Configuration& c) {
+    const auto& direction = c.numbers("direction");
+    direction_ = core::normalised({direction[0], direction[1], direction[2]});
+    speed_ = c.number("speed");
+    ground_ = c.number("groundHeight");
+    reference_ = c.number("referenceHeight");
+    roughness_ = c.number("roughness");
+    displacement_ = c.number("displacement");
+    exponent_ = c.number("exponent");
+    heights_ = c.numbers("heights");
+    speeds_ = c.numbers("speeds");
+  }
+
   [[nodiscard]] double speedAt(double height) const {
     switch (profile_) {
       case Profile::Constant:
@@ -157,14 +175,16 @@ class Wind final : public turtle::EnvironmentProcess {
     return speeds_[i - 1] + part * (speeds_[i] - speeds_[i - 1]);
   }
 
-  Vec3 direction_;
-  double speed_;  // of this step
+  Configuration given_;
   Profile profile_ = Profile::Constant;
-  double ground_;
-  double reference_;
-  double roughness_;
-  double displacement_;
-  double exponent_;
+  // in the world's unit, from open() on
+  Vec3 direction_;
+  double speed_ = 0.0;  // of this step
+  double ground_ = 0.0;
+  double reference_ = 0.0;
+  double roughness_ = 0.0;
+  double displacement_ = 0.0;
+  double exponent_ = 0.0;
   std::vector<double> heights_;  // ascending
   std::vector<double> speeds_;   // as many
   Vec3 up_{0.0, 1.0, 0.0};
@@ -179,11 +199,12 @@ ProcessOrErrors makeWind(const Configuration& configuration) {
   }
   const auto& heights = configuration.numbers("heights");
   const auto& speeds = configuration.numbers("speeds");
-  if (configuration.text("profile") == "logarithmic" &&
+  // a height that is not given depends on the world's unit
+  if (configuration.text("profile") == "logarithmic" && configuration.isGiven("referenceHeight") &&
+      configuration.isGiven("roughness") &&
       configuration.number("referenceHeight") <=
           configuration.number("displacement") + configuration.number("roughness")) {
-    return refuse("wind", "'referenceHeight' must be above displacement + roughness, where the wind begins",
-                  "the usual reference height is 10 m");
+    return refuse("wind", std::string(kLowReference), "the usual reference height is 10 m");
   }
   if (configuration.text("profile") == "table") {
     if (heights.empty() || heights.size() != speeds.size()) {

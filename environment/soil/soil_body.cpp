@@ -30,6 +30,8 @@ std::optional<turtle::EnvironmentError> SoilBody::open(std::string_view process,
   if (!(world.stepDurationDays > 0.0)) {
     return fail("lets time pass in steps: the world's 'stepDurationDays' must be greater than 0.");
   }
+  const LengthUnit* unit = findLengthUnit(world.lengthUnit);
+  keys_ = readSoilWater(given_, unit);
   const auto layers = static_cast<double>(keys_.shape.cells[static_cast<std::size_t>(axes->up)]);
   const double growth = std::max(keys_.shape.growth, 1.0 / keys_.shape.growth);
   if (core::pow(growth, layers - 1.0) > kMostHeightRatio) {
@@ -38,15 +40,14 @@ std::optional<turtle::EnvironmentError> SoilBody::open(std::string_view process,
         " layers of cells: the highest cell would be more than 100000 times as high as the lowest, and the flow "
         "of water is not solved then. Use fewer layers, or a 'growth' nearer to 1.");
   }
-  if (world.lengthUnit != "m" && !keys_.hasOwnLayers) {
+  if (unit == nullptr && !keys_.hasOwnLayers) {
     return fail("has a default soil in metres, and the world's unit is '" + world.lengthUnit +
-                "'. Give 'layers', or set lengthUnit to m.");
+                "'. Give 'layers', or set lengthUnit to m, dm, cm or mm.");
   }
   if (!keys_.fieldUnit.empty() && keys_.fieldUnit != world.lengthUnit) {
     return fail("begins with pressure heads in '" + keys_.fieldUnit + "', and the world's unit of length is '" +
                 world.lengthUnit + "'. Give the heads and the places of their cells in " + world.lengthUnit + ".");
   }
-  const LengthUnit* unit = findLengthUnit(world.lengthUnit);
   if (keys_.acidity && unit == nullptr) {
     return unknownLengthUnit(process, world);
   }
@@ -326,7 +327,7 @@ tl::expected<SoilBody, std::vector<core::Diagnostic>> makeSoilBody(const Configu
   if (auto errors = checkSoilWater(configuration); !errors.empty()) {
     return tl::unexpected(std::move(errors));
   }
-  return SoilBody(ObstacleScene(std::move(*read)), readSoilWater(configuration));
+  return SoilBody(ObstacleScene(std::move(*read)), configuration);
 }
 
 }  // namespace espalier::environment

@@ -19,7 +19,9 @@ namespace espalier::environment {
 /// `soil-water` answers queries from it, and `xylem` lets roots draw from it. It must not move after open().
 class SoilBody {
  public:
-  SoilBody(ObstacleScene stones, const SoilWaterKeys& keys) : stones_(std::move(stones)), keys_(keys) {}
+  /// `configuration` has no errors. Until open() keys() is as in a world of metres.
+  SoilBody(ObstacleScene stones, Configuration configuration)
+      : stones_(std::move(stones)), given_(std::move(configuration)), keys_(readSoilWater(given_, nullptr)) {}
 
   /// Goes to the initial state. `process` stands in messages.
   [[nodiscard]] std::optional<turtle::EnvironmentError> open(std::string_view process, const turtle::World& world);
@@ -74,6 +76,7 @@ class SoilBody {
   [[nodiscard]] std::vector<std::string_view> quantitiesOfWeather() const;
 
   ObstacleScene stones_;
+  Configuration given_;
   SoilWaterKeys keys_;
   Ground ground_;
   std::optional<RichardsSolver> water_;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "engine/core/elementary.h"
+#include "environment/base/default_lengths.h"
 #include "environment/base/number_text.h"
 #include "environment/geometry/grid_keys.h"
 #include "environment/obstacles/obstacle_scene.h"
@@ -35,7 +36,8 @@ constexpr double kLeastN = 1.005;
 constexpr double kMostN = 15.0;
 constexpr std::array kSoilWaterOwnKeys{
     gridSizeKey(kSoilWaterGridSize, "cells along x, y, z; one along both horizontal directions: a column"),
-    sidesKey("cellSize", "sides of a cell along x, y, z; upwards the mean", kCellSize),
+    sidesKey("cellSize", "sides of a cell along x, y, z; upwards the mean; the default is converted from metres",
+             kCellSize),
     ConfigurationKey{.name = "growth",
                      .description = "height of a cell over that of the cell above it, in a box of the same height",
                      .unit = "1",
@@ -48,7 +50,7 @@ constexpr std::array kSoilWaterOwnKeys{
         .kind = KeyKind::Rows,
         .description = "layers from the top: thickness (length; the last one continues below), residual and saturated "
                        "water content, van Genuchten's α (1/length) and n, saturated conductivity "
-                       "(length/day); none: loam after Carsel and Parrish (1988), in metres",
+                       "(length/day); none: loam after Carsel and Parrish (1988)",
         .minimum = 0.0,
         .minimumCount = 6,
         .maximumCount = 6},
@@ -59,7 +61,8 @@ constexpr std::array kSoilWaterOwnKeys{
                      .defaultText = "vanGenuchten",
                      .choices = kSoils},
     ConfigurationKey{.name = "specificStorage",
-                     .description = "water that saturated soil takes up with the head",
+                     .description = "water that saturated soil takes up with the head; the default is converted from "
+                                    "metres",
                      .unit = "1/length",
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
@@ -72,7 +75,7 @@ constexpr std::array kSoilWaterOwnKeys{
                      .defaultText = "head",
                      .choices = kStarts},
     ConfigurationKey{.name = "initialHead",
-                     .description = "initial pressure head",
+                     .description = "initial pressure head; the default is converted from metres",
                      .unit = "length",
                      .minimum = -kMostHead,
                      .maximum = kMostHead,
@@ -89,7 +92,8 @@ constexpr std::array kSoilWaterOwnKeys{
                      .description = "unit of 'initialHeads'; another one than the world's unit of length is refused; a "
                                     "\"fieldFile\" brings it; none: that of the world"},
     ConfigurationKey{.name = "waterTableDepth",
-                     .description = "depth of the water table below the top of the ground",
+                     .description = "depth of the water table below the top of the ground; the default is converted "
+                                    "from metres",
                      .unit = "length",
                      .minimum = -kMostHead,
                      .maximum = kMostHead,
@@ -160,7 +164,8 @@ constexpr std::array kSoilWaterOwnKeys{
                      .unit = "day",
                      .minimum = 0.0},
     ConfigurationKey{.name = "driestHead",
-                     .description = "pressure head of a surface that is dry: limits evaporation",
+                     .description = "pressure head of a surface that is dry: limits evaporation; the default is "
+                                    "converted from metres",
                      .unit = "length",
                      .minimum = -kMostHead,
                      .maximum = 0.0,
@@ -176,7 +181,8 @@ constexpr std::array kSoilWaterOwnKeys{
                      .minimum = -kMostHead,
                      .maximum = kMostBorderHead},
     ConfigurationKey{.name = "wiltingHead",
-                     .description = "pressure head down to which roots can take water",
+                     .description = "pressure head down to which roots can take water; the default is converted from "
+                                    "metres",
                      .unit = "length",
                      .minimum = -kMostHead,
                      .maximum = 0.0,
@@ -212,13 +218,14 @@ constexpr std::array kSoilWaterOwnKeys{
                      .maximum = 14.0,
                      .defaultNumber = 5.6},
     ConfigurationKey{.name = "bufferCapacity",
-                     .description = "amount of H⁺ that lowers the pH of a volume of soil by 1",
+                     .description = "amount of H⁺ that lowers the pH of a volume of soil by 1; the default is "
+                                    "converted from metres",
                      .unit = "mol/length^3",
                      .minimum = 0.0,
                      .isMinimumExclusive = true,
                      .defaultNumber = 20.0},
     ConfigurationKey{.name = "protonDiffusivity",
-                     .description = "diffusivity of H⁺ in water",
+                     .description = "diffusivity of H⁺ in water; the default is converted from metres",
                      .unit = "length^2/day",
                      .minimum = 0.0,
                      .defaultNumber = 8.04e-4},
@@ -272,7 +279,8 @@ Solute SoilWaterKeys::protons(double litres) const {
           .bufferCapacity = bufferCapacity};
 }
 
-SoilWaterKeys readSoilWater(const Configuration& configuration) {
+SoilWaterKeys readSoilWater(const Configuration& given, const LengthUnit* unit) {
+  const Configuration configuration = withDefaultLengths(given, kSoilWaterKeys, unit);
   SoilWaterKeys keys;
   keys.shape = {vectorOf(configuration, "position"), cellsOf(configuration), vectorOf(configuration, "cellSize"),
                 configuration.number("growth")};
@@ -286,9 +294,13 @@ SoilWaterKeys readSoilWater(const Configuration& configuration) {
   if (keys.hasOwnLayers) {
     keys.thicknesses.pop_back();
   } else {
-    keys.soils.emplace_back();
-    keys.soils.back().function = function;
-    keys.soils.back().specificStorage = configuration.number("specificStorage");
+    SoilLayer loam;  // in metres
+    const double metres = unit == nullptr ? 1.0 : unit->metres;
+    loam.alpha *= metres;
+    loam.conductivity /= metres;
+    loam.function = function;
+    loam.specificStorage = configuration.number("specificStorage");
+    keys.soils.push_back(loam);
   }
   for (const auto& row : configuration.rows("solutes")) {
     keys.solutes.push_back({row[0], row[1], row[2], row[3], row[4], row[5]});

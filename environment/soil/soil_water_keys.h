@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/diagnostic.h"
+#include "environment/base/length_unit.h"
 #include "environment/base/process_entry.h"
 #include "environment/soil/ground.h"
 #include "environment/soil/solutes.h"
@@ -52,7 +53,8 @@ struct SoilWaterKeys {
   [[nodiscard]] Solute protons(double litres) const;
 };
 
-[[nodiscard]] SoilWaterKeys readSoilWater(const Configuration& configuration);
+/// The values in the unit of a world; null: a unit of unknown size. Defaults are in metres and are converted.
+[[nodiscard]] SoilWaterKeys readSoilWater(const Configuration& configuration, const LengthUnit* unit);
 
 /// The errors of keys that have the right kind and range: rows that do not ascend, contents that contradict, a
 /// field that is too large.

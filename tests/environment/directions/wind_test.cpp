@@ -56,7 +56,8 @@ TEST(Wind, WrongProfilesAreErrors) {
             "error: environment process 'wind': 'direction' must be three numbers that are not all 0\n"
             "   hint: write it as [x, y, z], or leave it out");
   EXPECT_EQ(
-      errorsOf(makeProcess("wind", R"({"profile":"logarithmic","displacement":9.95})")),
+      errorsOf(
+          makeProcess("wind", R"({"profile":"logarithmic","displacement":9.95,"referenceHeight":10,"roughness":0.1})")),
       "error: environment process 'wind': 'referenceHeight' must be above displacement + roughness, where the wind "
       "begins\n   hint: the usual reference height is 10 m");
   EXPECT_EQ(errorsOf(makeProcess("wind", R"({"profile":"table","heights":[1],"speeds":[]})")),
@@ -64,6 +65,36 @@ TEST(Wind, WrongProfilesAreErrors) {
             "   hint: the table profile needs one speed for each of at least one height");
   EXPECT_EQ(errorsOf(makeProcess("wind", R"({"profile":"table","heights":[2,2],"speeds":[1,1]})")),
             "error: environment process 'wind': 'heights' must be ascending\n   hint: sort them, each with its speed");
+}
+
+TEST(Wind, DefaultsAreConvertedToTheWorldsUnit) {
+  // 1 m/s at 10 m over a roughness of 0.1 m, whatever the unit of length
+  for (const auto& [unit, length] : {std::pair{"m", 1.0}, {"dm", 10.0}, {"cm", 100.0}, {"mm", 1000.0}}) {
+    turtle::EnvironmentContext context;
+    context.world.lengthUnit = unit;
+    const auto process = openProcess("wind", R"({"profile":"logarithmic"})", context);
+    const auto speed = answersOf(*process, QueryBuilder().add({0, 2 * length, 0}, {0}).batch())[0][0];
+    EXPECT_NEAR(*speed, length * std::log(20.0) / std::log(100.0), 1e-12 * length) << unit;
+  }
+  // given numbers stay
+  turtle::EnvironmentContext context;
+  context.world.lengthUnit = "cm";
+  const auto process =
+      openProcess("wind", R"({"profile":"logarithmic","speed":3,"displacement":50,"roughness":10})", context);
+  EXPECT_NEAR(*answersOf(*process, QueryBuilder().add({0, 150, 0}, {0}).batch())[0][0],
+              3.0 * std::log(10.0) / std::log(95.0), 1e-14);
+}
+
+TEST(Wind, TheReferenceMustBeAboveTheStillAirInTheWorldsUnit) {
+  turtle::EnvironmentContext context;
+  const auto process = makeProcess("wind", R"({"profile":"logarithmic","displacement":9.95})");
+  const auto error = process.value()->open(context);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->message,
+            "Environment 'wind': 'referenceHeight' must be above displacement + roughness, where the wind begins, in a "
+            "world whose unit is 'm'. The usual reference height is 10 m.");
+  context.world.lengthUnit = "cm";
+  EXPECT_FALSE(process.value()->open(context).has_value());
 }
 
 TEST(Wind, TheWeatherBringsTheSpeed) {
