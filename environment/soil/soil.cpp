@@ -46,15 +46,17 @@ constexpr std::array kSoilKeys{
     positionKey(kOrigin),
     ConfigurationKey{.name = "concentration",
                      .kind = KeyKind::Rows,
-                     .description = "concentrations by rows along x, the highest row first, slice after slice along z; "
-                                    "empty: uniformConcentration everywhere",
+                     .description =
+                         "concentrations by rows along x, the highest row first by the world's up, slice after "
+                         "slice along z (y when z is up); empty: uniformConcentration everywhere",
                      .minimumCount = 1},
-    ConfigurationKey{.name = "sliceCount",
-                     .kind = KeyKind::Integer,
-                     .description = "number of slices along z in the rows; 1: a plane field",
-                     .minimum = 1,
-                     .maximum = 4096,
-                     .defaultNumber = 1},
+    ConfigurationKey{
+        .name = "sliceCount",
+        .kind = KeyKind::Integer,
+        .description = "number of slices in the rows; 1: when y is up a plane field, else a box of one cell",
+        .minimum = 1,
+        .maximum = 4096,
+        .defaultNumber = 1},
     gridSizeKey(kUnitSides, "cells along x, y, z when no concentration is given"),
     ConfigurationKey{.name = "uniformConcentration",
                      .description = "concentration of every cell when no concentration is given",
@@ -104,7 +106,7 @@ constexpr std::array kSoilKeys{
                      .defaultNumber = 0.5},
     ConfigurationKey{.name = "layerThicknesses",
                      .kind = KeyKind::Numbers,
-                     .description = "thickness of each layer from the top of the box downwards",
+                     .description = "thickness of each layer from the top of the box downwards, by the world's up",
                      .unit = "length",
                      .minimum = 0.0},
     ConfigurationKey{
@@ -139,10 +141,137 @@ struct Layers {
   std::vector<double> angles;  // degrees, as many as thicknesses
 };
 
+/// The world axes of the rows' numbers, of the rows and of the slices.
+std::array<std::size_t, 3> axesOfRows(const GridAxes& axes) {
+  return {axes.up == 0 ? 1U : 0U, static_cast<std::size_t>(axes.up), axes.up == 2 ? 1U : 2U};
+}
+
+/// Values by cell from rows with the highest first; a message when the rows have another shape.
+template <typename Value>
+std::string layOut(const ConfigurationRows& rows, std::string_view key, const std::array<std::size_t, 3>& worldCells,
+                   const GridAxes& axes, std::vector<Value>& values) {
+  if (rows.empty()) {
+    return {};
+  }
+  const auto axisOf = axesOfRows(axes);
+  const std::array<std::size_t, 3> strides{1, worldCells[0], worldCells[0] * worldCells[1]};
+  const std::array cells{worldCells[axisOf[0]], worldCells[axisOf[1]], worldCells[axisOf[2]]};
+  if (rows.size() != cells[1] * cells[2]) {
+    return "'" + std::string(key) + "' must have " + std::to_string(cells[1] * cells[2]) + " rows, found " +
+           std::to_string(rows.size());
+  }
+  values.resize(cells[0] * cells[1] * cells[2]);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    if (rows[row].size() != cells[0]) {
+      return "'" + std::string(key) + "[" + std::to_string(row) + "]' must have " + std::to_string(cells[0]) +
+             " numbers, found " + std::to_string(rows[row].size());
+    }
+    const std::size_t slice = row / cells[1];
+    const std::size_t height = axes.sign < 0.0 ? row % cells[1] : cells[1] - 1 - row % cells[1];
+    for (std::size_t x = 0; x < cells[0]; ++x) {
+      values[slice * strides[axisOf[2]] + height * strides[axisOf[1]] + x * strides[axisOf[0]]] =
+          static_cast<Value>(rows[row][x]);
+    }
+  }
+  return {};
+}
+
+/// Marks the cells whose middle is in a solid of a scene; a message when the scene cannot be read.
+std::string markSolids(const std::string& text, const SoilField::Shape& shape, std::vector<std::uint8_t>& isObstacle) {
+  if (text.empty()) {
+    return {};
+  }
+  auto read = readScene(text);
+  if (!read) {
+    return "'obstacleScene', " + read.error();
+  }
+  ObstacleScene::Content content;
+  content.spheres = read->spheres;
+  for (MeshData& mesh : read->meshes) {
+    if (const std::string problem = problemOf(mesh); !problem.empty()) {
+      return "'obstacleScene' " + problem;
+    }
+    content.meshes.push_back(std::move(mesh));
+  }
+  const ObstacleScene scene(std::move(content));
+  const auto [nx, ny, nz] = shape.cells;
+  isObstacle.resize(nx * ny * nz, 0);
+  const auto middle = [](double low, double size, std::size_t cell, std::size_t count) {
+    return low + size * (static_cast<double>(cell) + 0.5) / static_cast<double>(count);
+  };
+  for (std::size_t cell = 0; cell < isObstacle.size(); ++cell) {
+    const Vec3 place{middle(shape.position.x, shape.size.x, cell % nx, nx),
+                     middle(shape.position.y, shape.size.y, cell / nx % ny, ny),
+                     middle(shape.position.z, shape.size.z, cell / (nx * ny), nz)};
+    isObstacle[cell] = isObstacle[cell] != 0 || scene.isInside(place) ? 1 : 0;
+  }
+  return {};
+}
+
+/// The field of a configuration by cells of the world, before it begins.
+struct SoilContent {
+  SoilField::Shape shape;
+  std::vector<double> initial;
+  std::vector<std::uint8_t> isObstacle;
+  std::vector<std::uint8_t> isSource;
+};
+
+/// The cells of a configuration whose rows are laid out along the axes of a world, or its errors.
+tl::expected<SoilContent, std::vector<core::Diagnostic>> readContent(const Configuration& configuration,
+                                                                     const GridAxes& axes) {
+  const ConfigurationRows& rows = configuration.rows("concentration");
+  SoilContent content{{vectorOf(configuration, "position"), vectorOf(configuration, "domainSize"), {}}, {}, {}, {}};
+  SoilField::Shape& shape = content.shape;
+  const auto sliceCount = static_cast<std::size_t>(configuration.integer("sliceCount"));
+  if (rows.empty()) {
+    shape.cells = cellsOf(configuration);
+  } else if (rows.size() % sliceCount != 0) {
+    return refuse("soil",
+                  "'concentration' has " + std::to_string(rows.size()) + " rows, which are not " +
+                      std::to_string(sliceCount) + " slices of equal size",
+                  "sliceCount: number of slices in the rows");
+  } else {
+    const auto axisOf = axesOfRows(axes);
+    shape.cells[axisOf[0]] = rows.front().size();
+    shape.cells[axisOf[1]] = rows.size() / sliceCount;
+    shape.cells[axisOf[2]] = sliceCount;
+  }
+  if (auto problem = tooManyCells("soil", shape.cells, kSoilMaximumCellCount)) {
+    return tl::unexpected(std::vector{std::move(*problem)});
+  }
+  content.initial.assign(shape.cells[0] * shape.cells[1] * shape.cells[2],
+                         configuration.number("uniformConcentration"));
+  std::vector<core::Diagnostic> errors;
+  for (const std::string& problem :
+       {layOut(rows, "concentration", shape.cells, axes, content.initial),
+        layOut(configuration.rows("obstacleMap"), "obstacleMap", shape.cells, axes, content.isObstacle),
+        markSolids(configuration.text("obstacleScene"), shape, content.isObstacle),
+        layOut(configuration.rows("sourceMap"), "sourceMap", shape.cells, axes, content.isSource)}) {
+    if (!problem.empty()) {
+      errors.push_back(wrongConfiguration("soil", problem, "all maps have one number for each cell"));
+    }
+  }
+  if (!errors.empty()) {
+    return tl::unexpected(std::move(errors));
+  }
+  return content;
+}
+
+/// Whether rows say what is in a cell: they count down along the world's up.
+bool hasRows(const Configuration& configuration) {
+  return !configuration.rows("concentration").empty() || !configuration.rows("obstacleMap").empty() ||
+         !configuration.rows("sourceMap").empty();
+}
+
+SoilField fieldOf(SoilContent content) {
+  return {content.shape, std::move(content.initial), std::move(content.isObstacle), std::move(content.isSource)};
+}
+
 class Soil final : public turtle::EnvironmentProcess {
  public:
   Soil(SoilField field, const Configuration& configuration)
       : field_(std::move(field)),
+        given_(configuration),
         diffusion_{.stepCount = static_cast<int>(configuration.integer("diffusionSteps")),
                    .tolerance = configuration.number("diffusionTolerance"),
                    .relaxation = configuration.number("relaxationFactor")},
@@ -164,8 +293,16 @@ class Soil final : public turtle::EnvironmentProcess {
     if (!up) {
       return up.error();
     }
-    down_ = -*up;
+    up_ = *up;
     lengthUnit_ = context.world.lengthUnit;
+    if (hasRows(given_)) {
+      const auto axes = gridAxesOf("soil", context.world);
+      if (!axes) {
+        return axes.error();
+      }
+      // the rows were checked when the process was made
+      field_ = fieldOf(*readContent(given_, *axes));
+    }
     field_.reset();
     return std::nullopt;
   }
@@ -269,20 +406,23 @@ class Soil final : public turtle::EnvironmentProcess {
 
   /// Where gravity draws a root: down, turned towards the side to which it grows by the angle of its layer.
   [[nodiscard]] Vec3 geotropicDirection(const Vec3& position, const Vec3& heading) const {
-    const Vec3 axis = core::cross(down_, heading);
+    const Vec3 axis = core::cross(-up_, heading);
     if (!(core::length(axis) > 1e-9)) {
-      return down_;
+      return -up_;
     }
     const auto layer = layerOf(position);
     if (!layer) {
-      return down_;
+      return -up_;
     }
-    return rotated(down_, core::normalised(axis), layers_.angles[*layer] * std::numbers::pi / 180.0);
+    return rotated(-up_, core::normalised(axis), layers_.angles[*layer] * std::numbers::pi / 180.0);
   }
 
   [[nodiscard]] std::optional<std::size_t> layerOf(const Vec3& position) const {
-    const Vec3 top = field_.shape().position + field_.shape().size;
-    double depth = top.y - position.y;
+    // the highest corner of the box
+    const Vec3& low = field_.shape().position;
+    const Vec3& size = field_.shape().size;
+    const Vec3 top = low + Vec3{up_.x > 0.0 ? size.x : 0.0, up_.y > 0.0 ? size.y : 0.0, up_.z > 0.0 ? size.z : 0.0};
+    double depth = core::dot(top, up_) - core::dot(position, up_);
     for (std::size_t layer = 0; layer < layers_.thicknesses.size(); ++layer) {
       depth -= layers_.thicknesses[layer];
       if (depth < 0.0) {
@@ -294,89 +434,17 @@ class Soil final : public turtle::EnvironmentProcess {
   }
 
   SoilField field_;
+  Configuration given_;
   Diffusion diffusion_;
   Layers layers_;
   double range_;
   bool depletes_;
-  Vec3 down_{0.0, -1.0, 0.0};
+  Vec3 up_{0.0, 1.0, 0.0};
   std::string lengthUnit_ = "m";
 };
 
-/// Values by cell from rows with the highest first; a message when the rows have another shape.
-template <typename Value>
-std::string layOut(const ConfigurationRows& rows, std::string_view key, const std::array<std::size_t, 3>& cells,
-                   std::vector<Value>& values) {
-  if (rows.empty()) {
-    return {};
-  }
-  if (rows.size() != cells[1] * cells[2]) {
-    return "'" + std::string(key) + "' must have " + std::to_string(cells[1] * cells[2]) + " rows, found " +
-           std::to_string(rows.size());
-  }
-  values.resize(cells[0] * cells[1] * cells[2]);
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    if (rows[row].size() != cells[0]) {
-      return "'" + std::string(key) + "[" + std::to_string(row) + "]' must have " + std::to_string(cells[0]) +
-             " numbers, found " + std::to_string(rows[row].size());
-    }
-    const std::size_t slice = row / cells[1];
-    const std::size_t y = cells[1] - 1 - row % cells[1];
-    for (std::size_t x = 0; x < cells[0]; ++x) {
-      values[(slice * cells[1] + y) * cells[0] + x] = static_cast<Value>(rows[row][x]);
-    }
-  }
-  return {};
-}
-
-/// Marks the cells whose middle is in a solid of a scene; a message when the scene cannot be read.
-std::string markSolids(const std::string& text, const SoilField::Shape& shape, std::vector<std::uint8_t>& isObstacle) {
-  if (text.empty()) {
-    return {};
-  }
-  auto read = readScene(text);
-  if (!read) {
-    return "'obstacleScene', " + read.error();
-  }
-  ObstacleScene::Content content;
-  content.spheres = read->spheres;
-  for (MeshData& mesh : read->meshes) {
-    if (const std::string problem = problemOf(mesh); !problem.empty()) {
-      return "'obstacleScene' " + problem;
-    }
-    content.meshes.push_back(std::move(mesh));
-  }
-  const ObstacleScene scene(std::move(content));
-  const auto [nx, ny, nz] = shape.cells;
-  isObstacle.resize(nx * ny * nz, 0);
-  const auto middle = [](double low, double size, std::size_t cell, std::size_t count) {
-    return low + size * (static_cast<double>(cell) + 0.5) / static_cast<double>(count);
-  };
-  for (std::size_t cell = 0; cell < isObstacle.size(); ++cell) {
-    const Vec3 place{middle(shape.position.x, shape.size.x, cell % nx, nx),
-                     middle(shape.position.y, shape.size.y, cell / nx % ny, ny),
-                     middle(shape.position.z, shape.size.z, cell / (nx * ny), nz)};
-    isObstacle[cell] = isObstacle[cell] != 0 || scene.isInside(place) ? 1 : 0;
-  }
-  return {};
-}
-
 ProcessOrErrors makeSoil(const Configuration& configuration) {
   const ConfigurationRows& rows = configuration.rows("concentration");
-  SoilField::Shape shape{vectorOf(configuration, "position"), vectorOf(configuration, "domainSize"), {}};
-  const auto sliceCount = static_cast<std::size_t>(configuration.integer("sliceCount"));
-  if (rows.empty()) {
-    shape.cells = cellsOf(configuration);
-  } else if (rows.size() % sliceCount != 0) {
-    return refuse("soil",
-                  "'concentration' has " + std::to_string(rows.size()) + " rows, which are not " +
-                      std::to_string(sliceCount) + " slices of equal size",
-                  "sliceCount: number of slices along z in the rows");
-  } else {
-    shape.cells = {rows.front().size(), rows.size() / sliceCount, sliceCount};
-  }
-  if (auto problem = tooManyCells("soil", shape.cells, kSoilMaximumCellCount)) {
-    return tl::unexpected(std::vector{std::move(*problem)});
-  }
   const bool isCompatible = configuration.flag("compatible");
   if (configuration.numbers("layerThicknesses").size() < configuration.numbers("geotropicAngles").size() &&
       !isCompatible) {
@@ -404,27 +472,16 @@ ProcessOrErrors makeSoil(const Configuration& configuration) {
     return refuse("soil", "both 'concentration' and 'gridSize' are given",
                   "the cells are those of 'concentration', or 'gridSize' of 'uniformConcentration'");
   }
-  const std::size_t cellCount = shape.cells[0] * shape.cells[1] * shape.cells[2];
-  std::vector<double> initial(cellCount, configuration.number("uniformConcentration"));
-  std::vector<std::uint8_t> isObstacle;
-  std::vector<std::uint8_t> isSource;
-  std::vector<core::Diagnostic> errors;
-  for (const std::string& problem : {layOut(rows, "concentration", shape.cells, initial),
-                                     layOut(configuration.rows("obstacleMap"), "obstacleMap", shape.cells, isObstacle),
-                                     markSolids(configuration.text("obstacleScene"), shape, isObstacle),
-                                     layOut(configuration.rows("sourceMap"), "sourceMap", shape.cells, isSource)}) {
-    if (!problem.empty()) {
-      errors.push_back(wrongConfiguration("soil", problem, "all maps have one number for each cell"));
-    }
-  }
-  if (!errors.empty()) {
-    return tl::unexpected(std::move(errors));
+  auto content = readContent(configuration, GridAxes{});
+  if (!content) {
+    return tl::unexpected(std::move(content.error()));
   }
   if (isCompatible) {
-    return makePublishedSoil({shape, std::move(initial), std::move(isObstacle), std::move(isSource)}, configuration);
+    return makePublishedSoil(
+        {content->shape, std::move(content->initial), std::move(content->isObstacle), std::move(content->isSource)},
+        configuration);
   }
-  return std::make_unique<Soil>(SoilField(shape, std::move(initial), std::move(isObstacle), std::move(isSource)),
-                                configuration);
+  return std::make_unique<Soil>(fieldOf(std::move(*content)), configuration);
 }
 
 ConfigurationValues publishedDefaultsOfSoil() {

@@ -182,6 +182,55 @@ TEST(Soil, GravityDrawsDownAtTheAngleOfTheLayer) {
   EXPECT_TRUE(isNear(directionAt(2.5, {0, -1, 0}), 0, -2));
 }
 
+TEST(Soil, LayersAndRowsCountDownAlongTheWorldsUp) {
+  // two layers of 2 in a box of 4, wet above and dry below
+  turtle::EnvironmentContext context;
+  const auto answerAt = [&](const core::Vec3& place, const core::Vec3& heading) {
+    const auto process = openProcess("soil",
+                                     R"({"domainSize":[4,4,4],"concentration":[[5],[1]],"layerThicknesses":[2,2],)"
+                                     R"("geotropicAngles":[0,60]})",
+                                     context);
+    QueryBuilder builder;
+    builder.add(place, {9, 2, 0, 0});
+    builder.batch().heading[0] = heading;
+    return valuesOf(answersOf(*process, builder.batch())[0]);
+  };
+  const double most = 2.0 * std::sqrt(0.75);
+  for (const double sign : {1.0, -1.0}) {
+    context.world.up = {0, 0, sign};
+    const double high = sign > 0.0 ? 3.5 : 0.5;
+    EXPECT_EQ(answerAt({0.5, 0.5, high}, {1, 0, 0}), (std::vector<double>{5, 0, 0, -2 * sign}));
+    const auto below = answerAt({0.5, 3.5, 4.0 - high}, {1, 0, 0});
+    EXPECT_EQ(below[0], 1.0);
+    EXPECT_NEAR(below[1], most, 1e-12);
+    EXPECT_EQ(below[2], 0.0);
+    EXPECT_NEAR(below[3], -sign, 1e-12);
+    context.world.up = {sign, 0, 0};
+    EXPECT_EQ(answerAt({high, 0.5, 0.5}, {0, 1, 0}), (std::vector<double>{5, -2 * sign, 0, 0}));
+    EXPECT_EQ(answerAt({4.0 - high, 0.5, 3.5}, {0, 1, 0})[0], 1.0);
+  }
+  context.world.up = {0, -1, 0};
+  EXPECT_EQ(answerAt({0.5, 0.5, 0.5}, {1, 0, 0}), (std::vector<double>{5, 0, 2, 0}));
+}
+
+TEST(Soil, SlicesLieAcrossTheRowsAndUp) {
+  // z is up: numbers run along x, rows down along z, slices along y
+  turtle::EnvironmentContext context;
+  context.world.up = {0, 0, 1};
+  const auto process = openProcess(
+      "soil", R"({"domainSize":[2,2,3],"sliceCount":2,"concentration":[[1,2],[3,4],[5,6],[11,12],[13,14],[15,16]]})",
+      context);
+  QueryBuilder builder;
+  for (const core::Vec3 place : {core::Vec3{0.5, 0.5, 2.5}, {1.5, 0.5, 1.5}, {0.5, 1.5, 0.5}, {1.5, 1.5, 2.5}}) {
+    builder.add(place, {99});
+  }
+  EXPECT_EQ(firstValues(answersOf(*process, builder.batch())), (std::vector<double>{1, 4, 15, 12}));
+  context.world.up = {1, 1, 0};
+  const auto error = process->open(context);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->message, "Environment 'soil' needs a world whose 'up' is along x, y or z. Set it to 0 1 0.");
+}
+
 TEST(Soil, RootsTurnAsideBeforeAStone) {
   // a stone of one cell straight below: passing its corner (2, 1) from (2.5, 2) needs atan(0.5/1) = 26.57°, so 28°,
   // to the first side tried, counter-clockwise
@@ -236,7 +285,7 @@ TEST(Soil, WrongMapsAreErrors) {
             "   hint: all maps have one number for each cell");
   EXPECT_EQ(errorsOf(makeProcess("soil", R"({"concentration":[[1,2],[3,4],[5,6]],"sliceCount":2})")),
             "error: environment process 'soil': 'concentration' has 3 rows, which are not 2 slices of equal size\n"
-            "   hint: sliceCount: number of slices along z in the rows");
+            "   hint: sliceCount: number of slices in the rows");
   EXPECT_EQ(errorsOf(makeProcess("soil", R"({"layerThicknesses":[1],"geotropicAngles":[1,2]})")),
             "error: environment process 'soil': there are 1 layer thicknesses and 2 geotropic angles\n"
             "   hint: give one angle for each layer");
