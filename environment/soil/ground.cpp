@@ -55,11 +55,13 @@ std::optional<std::size_t> Ground::cellOf(const Vec3& point) const {
   std::array<std::size_t, 3> cell{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto world = static_cast<std::size_t>(axis_[axis]);
-    const double number = std::floor((place[world] - low_[world]) / sizes_[axis]);
-    if (!(number >= 0.0 && number < static_cast<double>(counts_[axis]))) {
+    const auto count = static_cast<double>(counts_[axis]);
+    const double way = (place[world] - low_[world]) / sizes_[axis];
+    // the upper border belongs to the last cell, also where its coordinate is rounded
+    if (!(way >= 0.0 && (way <= count || place[world] <= low_[world] + count * sizes_[axis]))) {
       return std::nullopt;
     }
-    cell[axis] = static_cast<std::size_t>(number);
+    cell[axis] = static_cast<std::size_t>(std::min(std::floor(way), count - 1.0));
   }
   std::size_t layer = sign_ < 0.0 ? counts_[2] - 1 - cell[2] : cell[2];
   if (edges_[1] != sizes_[2]) {

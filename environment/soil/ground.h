@@ -28,7 +28,7 @@ class Ground {
 
   [[nodiscard]] RichardsSolver::Shape solverShape() const;
   [[nodiscard]] Bounds box() const;
-  /// The cell of a point by the solver's numbering; nothing outside.
+  /// The cell of a point by the solver's numbering; nothing outside. All borders of the box belong to it.
   [[nodiscard]] std::optional<std::size_t> cellOf(const core::Vec3& point) const;
   [[nodiscard]] core::Vec3 middleOf(std::size_t cell) const;
   /// Index of a cell in the values of field().

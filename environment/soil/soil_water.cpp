@@ -132,7 +132,10 @@ class SoilWater final : public turtle::EnvironmentProcess {
         }
       }
       for (std::size_t k = 0; k < count; ++k) {
-        replies.set(queries, query, k, values[k]);
+        // no number stands for the head or the pH of a place without soil: they stay as sent
+        if (cell || (k != 1 && k != 6)) {
+          replies.set(queries, query, k, values[k]);
+        }
       }
     }
   }

@@ -14,7 +14,11 @@ TEST(Ground, PointsFindTheirCellsForAnyDirectionOfUp) {
     for (std::size_t cell = 0; cell < 24; ++cell) {
       EXPECT_EQ(ground.cellOf(ground.middleOf(cell)), cell);
     }
-    EXPECT_FALSE(ground.cellOf({1, 0, 0}).has_value());
+    // all borders belong to the box
+    EXPECT_EQ(ground.cellOf({1, 0, 6}), ground.cellOf({0.9, -0.1, 5.9}));
+    EXPECT_EQ(ground.cellOf({-1, -2, 0}), ground.cellOf({-0.9, -1.9, 0.1}));
+    EXPECT_FALSE(ground.cellOf({1.001, 0, 0}).has_value());
+    EXPECT_FALSE(ground.cellOf({0, 0.001, 0}).has_value());
     EXPECT_FALSE(ground.cellOf({0, -2.1, 0}).has_value());
     // the last cell is the highest, half a cell below the top
     EXPECT_EQ(ground.depthOf(23) * 2, ground.solverShape().heights[0]);

@@ -48,9 +48,34 @@ TEST(SoilWater, AQuerySeesHeadContentGradientAndSolutes) {
   EXPECT_NEAR(*answer[8], 0.25, 1e-12);
   // nothing has moved a day later
   EXPECT_NEAR(*answerAt(*process, {0, -0.35, 0})[1], -0.65, 1e-9);
-  // in the air there is nothing
-  for (const auto& value : answerAt(*process, {0, 0.1, 0})) {
-    EXPECT_EQ(value, 0.0);
+}
+
+TEST(SoilWater, APlaceWithoutSoilHasNoWaterAndNoHead) {
+  const auto process = openProcess(
+      "soil-water", "{" + kColumn + R"(,"acidity":true,"solutes":[[1,0,0,0,0,0]],"spheres":[[0,-0.5,0,0.2]]})");
+  // in the air and in a stone: head and pH stay as sent, which would be those of saturated soil and of strong acid
+  const std::vector<std::optional<double>> nothing{0.0, std::nullopt, 0.0, 0.0, 0.0, 0.0, std::nullopt, 0.0, 0.0};
+  EXPECT_EQ(answerAt(*process, {0, 0.1, 0}), nothing);
+  EXPECT_EQ(answerAt(*process, {0, -0.5, 0}), nothing);
+}
+
+TEST(SoilWater, TheBordersBelongToTheBox) {
+  turtle::EnvironmentContext context;
+  for (const double up : {1.0, -1.0}) {
+    context.world.up = {0, up, 0};
+    // cells of 0.7 m / 7 and of 1 m / 3, whose borders are rounded
+    const auto process = openProcess("soil-water",
+                                     R"({"gridSize":[3,7,1],"cellSize":[0.3333333333333333,0.1,1],)"
+                                     R"("position":[-0.5,-0.7,-0.5],"initially":"waterTable"})",
+                                     context);
+    const double highest = *answerAt(*process, {0, up > 0 ? -0.01 : -0.69, 0})[1];
+    for (const core::Vec3 seed : {core::Vec3{0, 0, 0}, {0.5, 0, 0.5}, {-0.5, 0, -0.5}}) {
+      const core::Vec3 place = up > 0 ? seed : core::Vec3{seed.x, -0.7, seed.z};
+      EXPECT_NEAR(*answerAt(*process, place)[1], highest, 0.01) << place.x << " " << up;
+    }
+    EXPECT_EQ(answerAt(*process, {0, 1e-9, 0})[1], std::nullopt);
+    EXPECT_EQ(answerAt(*process, {0, -0.7 - 1e-9, 0})[1], std::nullopt);
+    EXPECT_EQ(answerAt(*process, {0.5 + 1e-9, -0.1, 0})[1], std::nullopt);
   }
 }
 
