@@ -30,6 +30,69 @@ std::vector<Bounds> boxesOf(const std::vector<Triangle>& triangles) {
   return boxes;
 }
 
+/// Whether each side belongs to two triangles and all can face one way. Then they do: in each connected part the
+/// triangles in the minority are turned.
+bool orient(std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  struct Users {
+    std::size_t count = 0;
+    std::array<std::size_t, 2> triangles{};  // the first two
+  };
+  std::map<Side, Users> usersOf;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      Users& users = usersOf[sideOf(triangles[i][k], triangles[i][(k + 1) % 3])];
+      if (users.count < 2) {
+        users.triangles[users.count] = i;
+      }
+      ++users.count;
+    }
+  }
+  if (triangles.empty() || !std::ranges::all_of(usersOf, [](const auto& side) { return side.second.count == 2; })) {
+    return false;
+  }
+  const auto runsAlong = [&](std::size_t i, std::uint32_t a, std::uint32_t b) {
+    const auto& t = triangles[i];
+    return (t[0] == a && t[1] == b) || (t[1] == a && t[2] == b) || (t[2] == a && t[0] == b);
+  };
+  enum class Facing : std::uint8_t { Unknown, AsGiven, Turned };
+  std::vector<Facing> facings(triangles.size(), Facing::Unknown);
+  for (std::size_t first = 0; first < triangles.size(); ++first) {
+    if (facings[first] != Facing::Unknown) {
+      continue;
+    }
+    // from triangle to triangle over the sides of a part
+    std::vector<std::size_t> part{first};
+    std::size_t turnedCount = 0;
+    facings[first] = Facing::AsGiven;
+    for (std::size_t next = 0; next < part.size(); ++next) {
+      const std::size_t i = part[next];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = triangles[i][k];
+        const std::uint32_t b = triangles[i][(k + 1) % 3];
+        const auto& both = usersOf[sideOf(a, b)].triangles;
+        const std::size_t other = both[0] == i ? both[1] : both[0];
+        const bool isTurned = (facings[i] == Facing::Turned) != runsAlong(other, a, b);
+        const Facing facing = isTurned ? Facing::Turned : Facing::AsGiven;
+        if (facings[other] == Facing::Unknown) {
+          facings[other] = facing;
+          part.push_back(other);
+          turnedCount += isTurned ? 1U : 0U;
+        } else if (facings[other] != facing) {
+          return false;  // one-sided, like Klein's bottle
+        }
+      }
+    }
+    const Facing minority = 2 * turnedCount > part.size() ? Facing::AsGiven : Facing::Turned;
+    for (const std::size_t i : part) {
+      if (facings[i] == minority) {
+        std::swap(triangles[i][1], triangles[i][2]);
+      }
+      facings[i] = Facing::AsGiven;
+    }
+  }
+  return true;
+}
+
 /// Angle at corner `at` of three points.
 double angleAt(const Vec3& at, const Vec3& b, const Vec3& c) {
   const Vec3 u = core::normalised(b - at);
@@ -64,6 +127,20 @@ tl::expected<MeshData, std::string> readMesh(std::string_view name, const std::s
   return mesh;
 }
 
+void mergeCorners(MeshData& mesh) {
+  std::map<std::tuple<double, double, double>, std::uint32_t> places;
+  std::vector<std::uint32_t> firstAt;
+  for (const Vec3& p : mesh.vertices) {
+    const auto number = static_cast<std::uint32_t>(firstAt.size());
+    firstAt.push_back(places.try_emplace({p.x, p.y, p.z}, number).first->second);
+  }
+  for (auto& triangle : mesh.triangles) {
+    for (std::uint32_t& corner : triangle) {
+      corner = corner < firstAt.size() ? firstAt[corner] : corner;
+    }
+  }
+}
+
 std::string problemOf(const MeshData& mesh) {
   if (mesh.triangles.empty()) {
     return "has no triangles";
@@ -90,19 +167,12 @@ ObstacleMesh::ObstacleMesh(MeshData data) : isGround_(data.isGround), tree_({}) 
     const Vec3& a = data.vertices[t[0]];
     return !(core::length(core::cross(data.vertices[t[1]] - a, data.vertices[t[2]] - a)) > 0.0);
   });
-  // sides, with the number of triangles that run along them each way; and the volume, negative when turned inside out
-  std::map<Side, std::pair<int, int>> uses;
+  isClosed_ = orient(data.triangles);
+  // negative when turned inside out
   double volume = 0.0;
   for (const auto& t : data.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      auto& [forwards, backwards] = uses[sideOf(t[k], t[(k + 1) % 3])];
-      ++(t[k] < t[(k + 1) % 3] ? forwards : backwards);
-    }
     volume += core::dot(data.vertices[t[0]], core::cross(data.vertices[t[1]], data.vertices[t[2]]));
   }
-  isClosed_ = !uses.empty() && std::all_of(uses.begin(), uses.end(), [](const auto& use) {
-    return use.second == std::pair{1, 1};
-  });
   // normals of sides are the sum of their triangles', those of corners are weighted by the angles
   const double sign = isClosed_ && volume < 0.0 ? -1.0 : 1.0;
   std::map<Side, Vec3> sideNormals;

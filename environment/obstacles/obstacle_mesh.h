@@ -24,12 +24,15 @@ struct MeshData {
 /// that says what is wrong with the file. `name` may be empty for the text of an OBJ or glTF file. O(n log n).
 [[nodiscard]] tl::expected<MeshData, std::string> readMesh(std::string_view name, const std::string& bytes);
 
+/// Lets all triangles use the first of the vertices that lie at the same place. O(n log n).
+void mergeCorners(MeshData& mesh);
+
 /// The first error of a mesh: a coordinate that is not finite, a corner that is no vertex, no triangle. Empty when
 /// there is none.
 [[nodiscard]] std::string problemOf(const MeshData& mesh);
 
-/// A surface of triangles with a tree. A closed one (each side belongs to two triangles that run along it in opposite
-/// directions) is a solid, whichever way its triangles face; a surface with holes has no inside. Inside
+/// A surface of triangles with a tree. A closed one (each side belongs to two triangles) is a solid, whichever way each
+/// of its triangles faces; a surface with holes, and a one-sided one, has no inside. Inside
 /// and outside are told by the angle-weighted normal of the nearest part (Bærentzen & Aanæs, IEEE Transactions on
 /// Visualization and Computer Graphics 11, 2005).
 class ObstacleMesh {

@@ -248,6 +248,7 @@ class ObstacleReader {
         };
         mesh.triangles.push_back({corner(0), corner(1), corner(2)});
       }
+      mergeCorners(mesh);
       addMesh("triangles", std::move(mesh));
     }
     if (!configuration_.text("mesh").empty()) {

@@ -92,6 +92,34 @@ TEST(ObstacleScene, AHeightFieldIsSolidBelow) {
   EXPECT_NEAR(scene.clearance({5, 9, 5}, {0, -1, 0}, 100), 4.0, 1e-12);
 }
 
+TEST(ObstacleScene, TrianglesOfAClosedMeshMayFaceAnyWay) {
+  std::mt19937 random(2);
+  for (std::uint_fast32_t turned = 0; turned < (1U << 12U); turned += 1 + random() % 64) {
+    MeshData mesh = cube();
+    ASSERT_EQ(mesh.triangles.size(), 12U);
+    for (std::size_t i = 0; i < 12; ++i) {
+      if ((turned >> i & 1U) != 0) {
+        std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+      }
+    }
+    const ObstacleScene scene = sceneOf(mesh);
+    ASSERT_EQ(scene.nearest({0.5, 0, 0}, 1)->distance, -0.5) << turned;
+    ASSERT_EQ(scene.nearest({0.5, 0, 0}, 1)->normal, (Vec3{1, 0, 0})) << turned;
+    ASSERT_EQ(scene.nearest({0, 1.5, 0}, 1)->distance, 0.5) << turned;
+    ASSERT_EQ(scene.nearest({0, 1.5, 0}, 1)->normal, (Vec3{0, 1, 0})) << turned;
+  }
+}
+
+TEST(ObstacleScene, AOneSidedMeshHasNoInside) {
+  // the projective plane of six vertices: each side belongs to two triangles, and they cannot all face one way
+  MeshData mesh;
+  mesh.vertices = {{0, 1, 0}, {1, 0, 0}, {-1, 0, 0.5}, {0, -1, 0}, {0, 0, 1}, {0.2, 0, -1}};
+  mesh.triangles = {{0, 1, 4}, {0, 1, 5}, {0, 2, 3}, {0, 2, 5}, {0, 3, 4},
+                    {1, 2, 3}, {1, 2, 4}, {1, 3, 5}, {2, 4, 5}, {3, 4, 5}};
+  EXPECT_FALSE(ObstacleMesh(mesh).isClosed());
+  EXPECT_FALSE(sceneOf(mesh).isInside({0.1, 0.1, 0.1}));
+}
+
 TEST(ObstacleScene, AMeshWithHolesHasNoInside) {
   MeshData open = cube();
   open.triangles.pop_back();

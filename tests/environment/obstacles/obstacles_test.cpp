@@ -241,5 +241,15 @@ TEST(MeshEmbedding, AMeshFileBesideTheConfigurationBecomesPartOfIt) {
   EXPECT_EQ(other.configuration, R"({"radius":1})");
 }
 
+TEST(Obstacles, VerticesOfAnInlineMeshThatLieAtOnePlaceAreOne) {
+  // a tetrahedron whose triangles have three vertices each
+  const auto process =
+      openProcess("obstacles", R"({"vertices":[[0,0,0],[4,0,0],[0,4,0],[0,0,0],[0,4,0],[0,0,4],[0,0,0],[0,0,4],)"
+                               R"([4,0,0],[4,0,0],[0,0,4],[0,4,0]],)"
+                               R"("triangles":[[0,1,2],[3,4,5],[6,7,8],[9,10,11]]})");
+  const auto row = valuesOf(answersOf(*process, QueryBuilder().add({0.5, 1, 1}, {0.1, 0.05}).batch())[0]);
+  EXPECT_EQ(row, (std::vector<double>{0, -0.5}));
+}
+
 }  // namespace
 }  // namespace espalier::environment::obstacles_test
