@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "engine/core/elementary.h"
+
 namespace espalier::environment {
 
 namespace {
@@ -11,6 +13,12 @@ using core::Vec3;
 struct SkyTriangle {
   Vec3 a, b, c;
 };
+
+/// Of a triangle of unit vectors (Van Oosterom & Strackee, IEEE Transactions on Biomedical Engineering 30, 1983).
+double solidAngleOf(const SkyTriangle& t) {
+  return 2.0 * core::atan2(std::abs(core::dot(t.a, core::cross(t.b, t.c))),
+                           1.0 + core::dot(t.a, t.b) + core::dot(t.b, t.c) + core::dot(t.c, t.a));
+}
 
 /// Relative luminance of the CIE overcast sky in the published program's form, with the cosine's factor.
 double overcastLuminance(double cosine) {
@@ -50,7 +58,8 @@ std::vector<LightDirection> sampleSky(const SkyShape& sky, const Vec3& up) {
     const Vec3 direction = core::normalised(t.a + t.b + t.c);
     const double cosine = core::dot(direction, up);
     const double brightness = sky.isOvercast ? overcastLuminance(std::abs(cosine)) : 1.0;
-    directions.push_back({direction, brightness * (cosine < 0.0 ? sky.lowerToUpperRatio : 1.0)});
+    // triangles in the middle of an octant are larger than those at its corners
+    directions.push_back({direction, solidAngleOf(t) * brightness * (cosine < 0.0 ? sky.lowerToUpperRatio : 1.0)});
   }
   normaliseLight(directions);
   return directions;

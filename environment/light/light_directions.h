@@ -20,7 +20,8 @@ struct SkyShape {
 };
 
 /// Directions over the whole sphere: the middles of the triangles of an octahedron whose sides are halved until there
-/// are enough. Weights sum to 1. `up` is a unit vector. O(directions).
+/// are enough. A direction has the weight of its triangle's solid angle times the brightness there. Weights sum to 1.
+/// `up` is a unit vector. O(directions).
 [[nodiscard]] std::vector<LightDirection> sampleSky(const SkyShape& sky, const core::Vec3& up);
 
 /// Weights divided by their sum; directions made unit vectors. Nothing changes when the sum is 0.

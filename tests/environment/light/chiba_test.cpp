@@ -157,16 +157,40 @@ TEST(LightDirections, LightFromBelowIsWeakerByTheRatio) {
 }
 
 TEST(LightDirections, AnOvercastSkyIsBrightestAbove) {
-  // (1 + cos)/3 · (8.6 cos + 0.123) of the zenith against the horizon's band
+  // (1 + cos)/3 · (8.6 cos + 0.123) of the zenith against the horizon's band, and the same part of the uniform sky
   const auto directions = sampleSky({.sampleCount = 128, .lowerToUpperRatio = 0.0, .isOvercast = true}, {0, 1, 0});
-  for (const auto& a : directions) {
-    for (const auto& b : directions) {
-      if (a.direction.y > b.direction.y + 1e-9 && b.direction.y > 0.0) {
+  const auto uniform = sampleSky({.sampleCount = 128, .lowerToUpperRatio = 0.0}, {0, 1, 0});
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    for (std::size_t k = 0; k < directions.size(); ++k) {
+      const double a = directions[i].direction.y;
+      const double b = directions[k].direction.y;
+      if (a > b + 1e-9 && b > 0.0) {
         const auto luminance = [](double c) { return (1 + c) * (8.6 * c + 0.123); };
-        ASSERT_NEAR(a.weight / b.weight, luminance(a.direction.y) / luminance(b.direction.y), 1e-9);
+        ASSERT_NEAR(directions[i].weight / directions[k].weight,
+                    luminance(a) / luminance(b) * uniform[i].weight / uniform[k].weight, 1e-9);
       }
     }
   }
+}
+
+TEST(LightDirections, EachHasTheLightOfItsPartOfTheSky) {
+  // an opaque sphere of radius 1 at the distance 3 covers 1 − cos α of the hemisphere, sin α = 1/3, wherever it stands
+  const auto sky = sampleSky({.sampleCount = 32768, .lowerToUpperRatio = 0.0}, {0, 1, 0});
+  const double covered = 1.0 - std::sqrt(1.0 - 1.0 / 9.0);
+  for (const core::Vec3& way : {core::Vec3{0, 1, 0}, {1, 1, 1}, {1, 1, 0}, {1, 0.6, 0.3}, {-0.2, 0.5, -0.7}}) {
+    const core::Vec3 middle = core::normalised(way);
+    double light = 0.0;
+    for (const auto& direction : sky) {
+      light += core::dot(direction.direction, middle) > 1.0 - covered ? direction.weight : 0.0;
+    }
+    EXPECT_NEAR(light, covered, 0.011 * covered) << way.x << " " << way.y << " " << way.z;
+  }
+  // a uniform sky: the mean height of its light is 1/2
+  double height = 0.0;
+  for (const auto& direction : sky) {
+    height += direction.weight * direction.direction.y;
+  }
+  EXPECT_NEAR(height, 0.5, 1e-4);
 }
 
 }  // namespace
