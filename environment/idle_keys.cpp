@@ -15,26 +15,41 @@ namespace {
 struct Rule {
   std::string_view process;
   std::string_view key;
-  std::string_view other;
-  /// The key works while `other` is one of these, with a bar between them; "given": while it is given; empty: while
-  /// not.
+  std::string_view other;  // several with a bar between them: the key works while it does by one of them
+  /// The key works while `other` is one of these, with a bar between them; "given": while it is given and does
+  /// something; empty: while not.
   std::string_view working;
 };
 
 constexpr Rule kRules[]{
     {"soil-water", "topHead", "surface", "head"},
-    {"soil-water", "bottomHead", "bottom", "head"},
     {"soil-water", "rain", "surface", "weather"},
     {"soil-water", "evaporation", "surface", "weather"},
+    {"soil-water", "driestHead", "surface", "weather"},
+    {"soil-water", "weatherPeriod", "rain|evaporation|groundLight", "given"},
+    {"soil-water", "bottomHead", "bottom", "head"},
     {"soil-water", "initialHead", "initially", "head"},
     {"soil-water", "initialHead", "initialHeads", ""},
     {"soil-water", "waterTableDepth", "initially", "waterTable"},
+    {"soil-water", "waterTableDepth", "initialHeads", ""},
     {"soil-water", "roughness", "evaporationBy", "weather"},
     {"soil-water", "windHeight", "evaporationBy", "weather"},
     {"soil-water", "albedo", "evaporationBy", "weather"},
+    {"soil-water", "groundLight", "evaporationBy", "weather"},
     {"soil-water", "longWaveLoss", "evaporationBy", "weather"},
     {"soil-water", "airPressure", "evaporationBy", "weather"},
+    {"soil-water", "solutesEnter", "solutes|acidity", "given"},
+    {"soil-water", "initialPh", "acidity", "true"},
+    {"soil-water", "rainPh", "acidity", "true"},
+    {"soil-water", "bufferCapacity", "acidity", "true"},
+    {"soil-water", "protonDiffusivity", "acidity", "true"},
+    {"soil-water", "dispersivity", "acidity", "true"},
+    {"soil", "uniformConcentration", "concentration", ""},
+    {"soil", "sliceCount", "concentration", "given"},
+    {"soil", "diffusionTolerance", "diffusionSteps", "given"},
+    {"soil", "relaxationFactor", "diffusionSteps", "given"},
     {"xylem", "transpiration", "collar", "flow"},
+    {"xylem", "transpirationPeriod", "transpiration", "given"},
     {"xylem", "dayCourse", "collar", "flow"},
     {"xylem", "lowestHead", "collar", "flow"},
     {"xylem", "collarHead", "collar", "head"},
@@ -44,6 +59,30 @@ constexpr Rule kRules[]{
     {"xylem", "rhizosphere", "soil", "given"},
     {"xylem", "kr", "krTable", ""},
     {"xylem", "kx", "kxTable", ""},
+    {"xylem", "vulnerabilityShape", "vulnerabilityHead", "given"},
+    {"xylem", "stomataConductance", "leaves", "stomata"},
+    {"xylem", "cuticleConductance", "leaves", "stomata"},
+    {"xylem", "halfPar", "leaves", "stomata"},
+    {"xylem", "halfDeficit", "leaves", "stomata"},
+    {"xylem", "stomataHead", "leaves", "stomata"},
+    {"xylem", "stomataShape", "leaves", "stomata"},
+    {"xylem", "leafWidth", "leaves", "stomata"},
+    {"xylem", "leafWidth", "boundaryConductance", ""},
+    {"xylem", "boundaryConductance", "leaves", "stomata"},
+    {"xylem", "temperature", "leaves", "stomata"},
+    {"xylem", "humidity", "leaves", "stomata"},
+    {"xylem", "wind", "leaves", "stomata"},
+    {"xylem", "pressure", "leaves", "stomata"},
+    {"xylem", "saturationCurve", "leaves", "stomata"},
+    {"xylem", "growthHead", "leaves", "stomata"},
+    {"wind", "speed", "profile", "constant|logarithmic|power"},
+    {"wind", "groundHeight", "profile", "logarithmic|power|table"},
+    {"wind", "referenceHeight", "profile", "logarithmic|power"},
+    {"wind", "roughness", "profile", "logarithmic"},
+    {"wind", "displacement", "profile", "logarithmic"},
+    {"wind", "exponent", "profile", "power"},
+    {"wind", "heights", "profile", "table"},
+    {"wind", "speeds", "profile", "table"},
     {"light", "sunDirection", "sun", "direction"},
     {"light", "sunAzimuths", "sun", "direction"},
     {"light", "directIrradiance", "sun", "direction"},
@@ -53,12 +92,30 @@ constexpr Rule kRules[]{
     {"light", "longitude", "sun", "position"},
     {"light", "atmosphere", "sun", "position"},
     {"light", "sunSamples", "sun", "position"},
+    {"light", "photonsPerJoule", "unit", "umol|mol"},
+    {"light", "bounces", "remainder", ""},
     {"light", "groundReflectance", "ground", "true"},
-    {"light-voxels", "ellipsoidRatio", "leafAngles", "ellipsoidal"},
+    {"light", "groundHeight", "ground", "true"},
+    {"light", "groundCells", "ground", "true"},
+    {"light-voxels", "fullLight", "method", "shadow"},
+    {"light-voxels", "shadowStrength", "method", "shadow"},
+    {"light-voxels", "shadowBase", "method", "shadow"},
+    {"light-voxels", "shadowDepth", "method", "shadow"},
+    {"light-voxels", "sky", "method", "turbid"},
     {"light-voxels", "sun", "method", "turbid"},
     {"light-voxels", "unit", "method", "turbid"},
     {"light-voxels", "bands", "method", "turbid"},
+    {"light-voxels", "directions", "method", "turbid"},
+    {"light-voxels", "zenithAngles", "method", "turbid"},
+    {"light-voxels", "azimuthAngles", "method", "turbid"},
+    {"light-voxels", "irradiance", "method", "turbid"},
+    {"light-voxels", "leafAngles", "method", "turbid"},
+    {"light-voxels", "absorptance", "method", "turbid"},
+    {"light-voxels", "leafAreaDensity", "method", "turbid"},
+    {"light-voxels", "ellipsoidRatio", "leafAngles", "ellipsoidal"},
     {"light-voxels", "sky", "directions", ""},
+    {"light-voxels", "zenithAngles", "directions", ""},
+    {"light-voxels", "azimuthAngles", "directions", ""},
     {"light-voxels", "irradiance", "sun", "none"},
     {"light-voxels", "irradiance", "unit", "W|umol|mol"},
     {"light-voxels", "photonsPerJoule", "unit", "umol|mol"},
@@ -74,6 +131,18 @@ constexpr Rule kRules[]{
     {"light-voxels", "reflectance", "scattering", "true"},
     {"light-voxels", "transmittance", "scattering", "true"},
     {"light-voxels", "groundReflectance", "scattering", "true"},
+    {"light-voxels", "remainder", "scattering", "true"},
+    {"chiba", "sampleCount", "sources", ""},
+    {"chiba", "lowerToUpperRatio", "sources", ""},
+    {"chiba", "overcastSky", "sources", ""},
+    {"chiba", "gridSize", "compatible", "true"},
+    {"takenaka", "sources", "diskSource", ""},
+    {"takenaka", "gridSize", "compatible", "true"},
+    {"honda", "plane", "threeDimensional", "false"},
+    {"ecosystem", "plane", "threeDimensional", "false"},
+    {"density3d", "gridSize", "octreeLevel", ""},
+    {"colonization", "markerBox", "markerCount", "given"},
+    {"crowding", "asymmetry", "competition", "weighted"},
 };
 
 std::string valueOf(const Configuration& configuration, const ConfigurationKey& key) {
@@ -81,10 +150,12 @@ std::string valueOf(const Configuration& configuration, const ConfigurationKey& 
                                       : configuration.text(key.name);
 }
 
-bool isOneOf(std::string_view value, std::string_view working) {
-  for (std::size_t begin = 0; begin <= working.size();) {
-    const std::size_t end = std::min(working.find('|', begin), working.size());
-    if (working.substr(begin, end - begin) == value) {
+/// Calls `visit` with each of the names that have bars between them, until it returns true; whether it did.
+template <typename Visit>
+bool anyOf(std::string_view names, const Visit& visit) {
+  for (std::size_t begin = 0; begin <= names.size();) {
+    const std::size_t end = std::min(names.find('|', begin), names.size());
+    if (visit(names.substr(begin, end - begin))) {
       return true;
     }
     begin = end + 1;
@@ -92,25 +163,47 @@ bool isOneOf(std::string_view value, std::string_view working) {
   return false;
 }
 
-/// Whether a key is given, and is no empty list.
+bool isOneOf(std::string_view value, std::string_view working) {
+  return anyOf(working, [&](std::string_view one) { return one == value; });
+}
+
+/// Whether a key is given and does something: it is no empty list, not false, and no number that is the default.
 bool isThere(const Configuration& configuration, const ConfigurationKey& key) {
-  const bool isEmpty = (key.kind == KeyKind::Rows && configuration.rows(key.name).empty()) ||
-                       (key.kind == KeyKind::Numbers && configuration.numbers(key.name).empty()) ||
-                       (key.kind == KeyKind::Entries && configuration.entries(key.name).empty());
+  const bool isEmpty =
+      (key.kind == KeyKind::Boolean && !configuration.flag(key.name)) ||
+      (key.kind == KeyKind::Number && configuration.number(key.name) == key.defaultNumber) ||
+      (key.kind == KeyKind::Integer && static_cast<double>(configuration.integer(key.name)) == key.defaultNumber) ||
+      (key.kind == KeyKind::Rows && configuration.rows(key.name).empty()) ||
+      (key.kind == KeyKind::Numbers && configuration.numbers(key.name).empty()) ||
+      (key.kind == KeyKind::Entries && configuration.entries(key.name).empty());
   return configuration.isGiven(key.name) && !isEmpty;
+}
+
+/// The names of a rule's `other` as text: "'rain' and 'evaporation'".
+std::string quoted(std::string_view names) {
+  std::string text;
+  anyOf(names, [&](std::string_view name) {
+    text += (text.empty() ? "'" : " and '") + std::string(name) + "'";
+    return false;
+  });
+  return text;
 }
 
 /// Why a key of a rule has no effect; empty: it has one.
 std::string reasonOf(const Rule& rule, const Configuration& configuration, std::span<const ConfigurationKey> keys) {
-  const std::string other = "'" + std::string(rule.other) + "'";
-  const auto key = std::ranges::find(keys, rule.other, &ConfigurationKey::name);
+  const std::string other = quoted(rule.other);
+  const auto isOneThere = [&] {
+    return anyOf(rule.other, [&](std::string_view name) {
+      return isThere(configuration, *std::ranges::find(keys, name, &ConfigurationKey::name));
+    });
+  };
   if (rule.working.empty()) {
-    return isThere(configuration, *key) ? other + " is given" : "";
+    return isOneThere() ? other + " is given" : "";
   }
   if (rule.working == "given") {
-    return isThere(configuration, *key) ? "" : other + " is not given";
+    return isOneThere() ? "" : other + (rule.other.find('|') == std::string_view::npos ? " is" : " are") + " not given";
   }
-  const std::string value = valueOf(configuration, *key);
+  const std::string value = valueOf(configuration, *std::ranges::find(keys, rule.other, &ConfigurationKey::name));
   return isOneOf(value, rule.working) ? "" : other + " is " + value;
 }
 
@@ -125,14 +218,17 @@ std::vector<core::Diagnostic> idleKeys(std::string_view process, std::string_vie
   if (!configuration) {
     return warnings;
   }
+  std::vector<std::string_view> idle;  // one reason for each
   for (const Rule& rule : kRules) {
-    if (rule.process != entry->name || !configuration->isGiven(rule.key)) {
+    if (rule.process != entry->name || !configuration->isGiven(rule.key) ||
+        std::ranges::find(idle, rule.key) != idle.end()) {
       continue;
     }
     if (const std::string reason = reasonOf(rule, *configuration, entry->keys); !reason.empty()) {
+      idle.push_back(rule.key);
       core::Diagnostic warning = wrongConfiguration(
           entry->name, "'" + std::string(rule.key) + "' has no effect, because " + reason,
-          rule.working.empty() ? "leave one of them out" : "leave it out, or change '" + std::string(rule.other) + "'");
+          rule.working.empty() ? "leave one of them out" : "leave it out, or change " + quoted(rule.other));
       warning.severity = core::Severity::Warning;
       warnings.push_back(std::move(warning));
     }
@@ -166,13 +262,16 @@ std::vector<std::string> problemsOfIdleKeys() {
       problems.push_back(name + "no such key");
       continue;
     }
-    const auto other = std::ranges::find(entry->keys, rule.other, &ConfigurationKey::name);
-    if (other == entry->keys.end()) {
-      problems.push_back(name + "no key " + std::string(rule.other));
-    } else if (!rule.working.empty() && rule.working != "given" && other->kind != KeyKind::Boolean &&
-               std::ranges::none_of(other->choices, [&](auto value) { return isOneOf(value, rule.working); })) {
-      problems.push_back(name + "no value " + std::string(rule.working));
-    }
+    anyOf(rule.other, [&](std::string_view otherName) {
+      const auto other = std::ranges::find(entry->keys, otherName, &ConfigurationKey::name);
+      if (other == entry->keys.end()) {
+        problems.push_back(name + "no key " + std::string(otherName));
+      } else if (!rule.working.empty() && rule.working != "given" && other->kind != KeyKind::Boolean &&
+                 std::ranges::none_of(other->choices, [&](auto value) { return isOneOf(value, rule.working); })) {
+        problems.push_back(name + "no value " + std::string(rule.working));
+      }
+      return false;
+    });
   }
   return problems;
 }

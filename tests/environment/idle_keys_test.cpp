@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "environment/registry.h"
@@ -41,6 +43,57 @@ TEST(IdleKeys, AreNamedWithTheKeyThatSwitchesThemOff) {
             Messages{"environment process 'light-voxels': 'irradiance' has no effect, because 'sun' is direction"});
   EXPECT_EQ(messagesOf("light-voxels", R"({"unit":"umol","method":"shadow"})"),
             Messages{"environment process 'light-voxels': 'unit' has no effect, because 'method' is shadow"});
+}
+
+TEST(IdleKeys, NameOneReasonForEachKey) {
+  struct Case {
+    std::string process;
+    std::string configuration;
+    std::string key;
+    std::string reason;
+  };
+  for (const auto& [process, configuration, key, reason] : {
+           Case{"wind", R"({"heights":[1,9]})", "heights", "'profile' is constant"},
+           {"wind", R"({"profile":"table","heights":[1],"speeds":[2],"speed":3})", "speed", "'profile' is table"},
+           {"wind", R"({"roughness":0.2,"profile":"power"})", "roughness", "'profile' is power"},
+           {"soil-water", R"({"initialPh":5})", "initialPh", "'acidity' is false"},
+           {"soil-water", R"({"solutesEnter":"concentration"})", "solutesEnter",
+            "'solutes' and 'acidity' are not given"},
+           {"soil-water", R"({"weatherPeriod":3,"rain":[]})", "weatherPeriod",
+            "'rain' and 'evaporation' and 'groundLight' are not given"},
+           {"light", R"({"remainder":1e-4,"bounces":5})", "bounces", "'remainder' is given"},
+           {"light", R"({"groundHeight":1})", "groundHeight", "'ground' is false"},
+           {"light-voxels", R"({"fullLight":2})", "fullLight", "'method' is turbid"},
+           {"light-voxels", R"({"method":"shadow","sky":"uniform","directions":[[0,1,0,1]]})", "sky",
+            "'method' is shadow"},
+           {"light-voxels", R"({"directions":[[0,1,0,1]],"zenithAngles":9})", "zenithAngles", "'directions' is given"},
+           {"light-voxels", R"({"remainder":1e-3})", "remainder", "'scattering' is false"},
+           {"xylem", R"({"stomataShape":2})", "stomataShape", "'leaves' is demand"},
+           {"xylem", R"({"vulnerabilityShape":2})", "vulnerabilityShape", "'vulnerabilityHead' is not given"},
+           {"chiba", R"({"sources":[[0,1,0,1]],"sampleCount":64})", "sampleCount", "'sources' is given"},
+           {"chiba", R"({"gridSize":[4,4,4]})", "gridSize", "'compatible' is false"},
+           {"density3d", R"({"gridSize":[2,2,2],"octreeLevel":0})", "gridSize", "'octreeLevel' is given"},
+           {"honda", R"({"plane":"xy","threeDimensional":true})", "plane", "'threeDimensional' is true"},
+       }) {
+    const Messages messages = messagesOf(process, configuration);
+    ASSERT_FALSE(messages.empty()) << process << " " << configuration;
+    EXPECT_EQ(messages.front(),
+              "environment process '" + process + "': '" + key + "' has no effect, because " + reason);
+    EXPECT_EQ(std::ranges::count(messages, messages.front()), 1);
+  }
+}
+
+TEST(IdleKeys, AreNoneWhereTheKeyActs) {
+  for (const auto& [process, configuration] :
+       {std::pair{"wind", R"({"profile":"logarithmic","roughness":0.2,"displacement":1,"referenceHeight":10})"},
+        {"soil-water", R"({"acidity":true,"initialPh":5,"solutesEnter":"concentration"})"},
+        {"soil-water", R"({"rain":[[0,0.01]],"weatherPeriod":3})"},
+        {"light", R"({"remainder":0,"bounces":5})"},
+        {"density3d", R"({"gridSize":[2,2,2],"octreeLevel":-1})"},
+        {"xylem", R"({"vulnerabilityHead":-100,"vulnerabilityShape":2,"leaves":"stomata","temperature":30})"},
+        {"chiba", R"({"gridSize":[4,4,4],"compatible":true,"sampleCount":64})"}}) {
+    EXPECT_EQ(messagesOf(process, configuration), Messages{}) << process << " " << configuration;
+  }
 }
 
 TEST(IdleKeys, AreFoundInsideOtherEnvironments) {
