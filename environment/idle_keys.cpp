@@ -1,10 +1,12 @@
 #include "environment/idle_keys.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 #include "environment/base/configuration.h"
 #include "environment/base/json_text.h"
+#include "environment/base/number_text.h"
 #include "environment/registry.h"
 
 namespace espalier::environment {
@@ -207,6 +209,17 @@ std::string reasonOf(const Rule& rule, const Configuration& configuration, std::
   return isOneOf(value, rule.working) ? "" : other + " is " + value;
 }
 
+/// The sum of the parts of the light in bands, when it is above 1 and not because each band has all of it; else 0.
+double surplusOfBands(const Configuration& configuration, std::span<const ConfigurationKey> keys) {
+  if (std::ranges::find(keys, "bands", &ConfigurationKey::name) == keys.end()) {
+    return 0.0;
+  }
+  const std::vector<double>& bands = configuration.numbers("bands");
+  const double sum = std::accumulate(bands.begin(), bands.end(), 0.0);
+  const bool isEachAll = std::ranges::all_of(bands, [](double part) { return part == 1.0; });
+  return sum > 1.0 + 1e-6 && !isEachAll ? sum : 0.0;
+}
+
 }  // namespace
 
 std::vector<core::Diagnostic> idleKeys(std::string_view process, std::string_view configurationJson) {
@@ -232,6 +245,12 @@ std::vector<core::Diagnostic> idleKeys(std::string_view process, std::string_vie
       warning.severity = core::Severity::Warning;
       warnings.push_back(std::move(warning));
     }
+  }
+  if (const double sum = surplusOfBands(*configuration, entry->keys); sum > 0.0) {
+    warnings.push_back(
+        wrongConfiguration(entry->name, "'bands' are parts of the irradiance and add up to " + numberText(sum),
+                           "write parts that add up to 1 or less, or 1 for each band: then each has all of the light"));
+    warnings.back().severity = core::Severity::Warning;
   }
   // environments inside another one
   for (const ConfigurationKey& key : entry->keys) {

@@ -9,7 +9,8 @@
 namespace espalier::environment {
 
 /// Warnings about given keys of a built-in process that another key switches off: "environment process 'xylem':
-/// 'collarHead' has no effect, because 'collar' is not \"head\"." None for a configuration that makeProcess refuses.
+/// 'collarHead' has no effect, because 'collar' is not \"head\"." Also about `bands` that make light. None for a
+/// configuration that makeProcess refuses.
 [[nodiscard]] std::vector<core::Diagnostic> idleKeys(std::string_view process, std::string_view configurationJson);
 
 /// The mistakes in the rules themselves, for tests: a process or a key that is not there, a value that no key has.

@@ -53,8 +53,12 @@ std::optional<std::string> Daylight::open(const turtle::World& world) {
   } else if (sun_ == "direction") {
     const auto& direction = configuration_.numbers("sunDirection");
     const Vec3 sun = core::normalised({direction[0], direction[1], direction[2]});
-    if (!(core::dot(sun, up_) > 1e-6)) {
-      return "has its sun below the horizon. Give a 'sunDirection' that points up to the sun.";
+    if (!(core::length(sun) > 0.0)) {
+      return "has a 'sunDirection' of length 0. Give the direction that points up to the sun.";
+    }
+    if (const double sine = core::dot(sun, up_); !(sine > 1e-6)) {
+      return "has its sun " + std::string(sine < -1e-6 ? "below" : "at") +
+             " the horizon. Give a 'sunDirection' that points up to the sun.";
     }
     // turned around the vertical
     const Vec3 along = up_ * core::dot(sun, up_);

@@ -96,6 +96,16 @@ TEST(IdleKeys, AreNoneWhereTheKeyActs) {
   }
 }
 
+TEST(IdleKeys, BandsWithMoreLightThanThereIsAreAWarning) {
+  for (const std::string process : {"light", "light-voxels"}) {
+    EXPECT_EQ(messagesOf(process, R"({"bands":[0.6,0.6]})"),
+              Messages{"environment process '" + process + "': 'bands' are parts of the irradiance and add up to 1.2"});
+    EXPECT_EQ(messagesOf(process, R"({"bands":[0.45,0.55]})"), Messages{});
+    // several kinds of leaves in all of the light
+    EXPECT_EQ(messagesOf(process, R"({"bands":[1,1,1]})"), Messages{});
+  }
+}
+
 TEST(IdleKeys, AreFoundInsideOtherEnvironments) {
   EXPECT_EQ(messagesOf("xylem", R"({"soil":[{"type":"soil-water","bottomHead":-1}]})"),
             Messages{"environment process 'soil-water': 'bottomHead' has no effect, because 'bottom' is free"});

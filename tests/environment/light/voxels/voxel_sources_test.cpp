@@ -381,6 +381,13 @@ TEST(VoxelSources, WhatCannotBeIsAnError) {
   EXPECT_EQ((*made)->open({})->message,
             "Environment 'light-voxels' has its sun below the horizon. Give a 'sunDirection' that points up to the "
             "sun.");
+  made = makeProcess("light-voxels", R"({"sun":"direction","sunDirection":[1,0,0]})");
+  EXPECT_EQ((*made)->open({})->message,
+            "Environment 'light-voxels' has its sun at the horizon. Give a 'sunDirection' that points up to the sun.");
+  made = makeProcess("light-voxels", R"({"sun":"direction","sunDirection":[0,0,0]})");
+  EXPECT_EQ((*made)->open({})->message,
+            "Environment 'light-voxels' has a 'sunDirection' of length 0. Give the direction that points up to the "
+            "sun.");
 }
 
 }  // namespace
