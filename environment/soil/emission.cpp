@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/core/elementary.h"
+#include "environment/base/number_text.h"
 #include "environment/base/process_entry.h"
 #include "environment/base/replies.h"
 #include "environment/base/state_numbers.h"
@@ -30,6 +31,7 @@ constexpr std::string_view kEmissionSummary =
 constexpr std::array kEmissionGridSize{32.0, 32.0, 32.0};
 constexpr std::array<std::string_view, 2> kBorders{"closed", "open"};
 constexpr double kMostSteps = 100000;
+constexpr double kMostEmissionWork = 1e11;  // changes of cells in a step of the simulation: about a minute
 constexpr std::size_t kEmissionMaximumCellCount = std::size_t{1} << 26;
 constexpr std::array kEmissionKeys{
     gridSizeKey(kEmissionGridSize, "cells along x, y, z; one along z: a plane field"),
@@ -98,6 +100,12 @@ class Emission final : public turtle::EnvironmentProcess {
           "Environment 'emission' would need more than 100000 diffusion steps in a step of " + std::to_string(days) +
               " days. Use larger cells, a smaller diffusivity or shorter steps.",
           false};
+    }
+    if (const auto cells = static_cast<double>(field_.cells().size()); !(steps * cells <= kMostEmissionWork)) {
+      return turtle::EnvironmentError{"Environment 'emission' would take minutes for a step: " + numberText(steps) +
+                                          " diffusion steps of " + std::to_string(field_.cells().size()) +
+                                          " cells. Use larger or fewer cells, a smaller diffusivity or shorter steps.",
+                                      false};
     }
     diffusion_.stepCount = static_cast<int>(steps);
     diffusion_.relaxation = steps > 0.0 ? moved / steps : 0.0;

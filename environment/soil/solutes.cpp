@@ -14,6 +14,7 @@ namespace {
 constexpr double kLogarithm10 = 2.302585092994045684;
 constexpr double kMostWork = 1e9;         // changes of cells in a step of the simulation: about half a minute
 constexpr double kMostWorkAtRate = 1e12;  // the same if the whole step were as one part of it: hours
+constexpr double kPartOfStep = 0.9;       // of its content that a cell loses in an internal step
 
 }  // namespace
 
@@ -81,6 +82,45 @@ double SoluteTransport::surfaceCoefficientOf(const Solute& solute, std::size_t c
          (0.5 * water_->sizeOf(cell, 2));
 }
 
+/// Whether the rest of the step of the simulation is clearly too much work. Soil that dries slows diffusion down, so
+/// the limit is wider at the beginning of the step than after a tenth of the work.
+bool SoluteTransport::isWorkTooMuch() {
+  const bool isTimeToLook = looks_ == 0 || (looks_ == 1 && work_ > 0.1 * kMostWork);
+  if (!isTimeToLook) {
+    return false;
+  }
+  ++looks_;
+  return !(work_ + workOfDiffusion(stepDays_ - passedDays_) <= (looks_ == 1 ? 4.0 : 1.5) * kMostWork);
+}
+
+double SoluteTransport::workOfDiffusion(double days) const {
+  double steps = 0.0;
+  for (const Solute& solute : solutes_) {
+    double fastest = 0.0;
+    for (std::size_t cell = 0; cell < contents_.size(); ++cell) {
+      double leaving = 0.0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t stride = water_->stride(axis);
+        const auto add = [&](std::size_t from) {
+          const double mean = 0.5 * (diffusivityIn(solute, from) + diffusivityIn(solute, from + stride));
+          leaving += mean * water_->faceArea(from, axis) / water_->distanceToNext(from, axis);
+        };
+        if (water_->hasFace(cell, axis)) {
+          add(cell);
+        }
+        if (cell >= stride && water_->hasFace(cell - stride, axis)) {
+          add(cell - stride);
+        }
+      }
+      if (leaving > 0.0) {
+        fastest = std::max(fastest, leaving / (water_->cellVolume(cell) * (contents_[cell] + solute.sorption)));
+      }
+    }
+    steps += fastest * days / kPartOfStep;
+  }
+  return steps * static_cast<double>(contents_.size());
+}
+
 /// The concentration that water carries through a face: that of the cell it leaves, and a limited part of the slope
 /// there, less what flows through while the slope passes (Lax & Wendroff 1960; van Leer 1974).
 double SoluteTransport::atFace(const Solute& solute, std::size_t cell, std::size_t axis, double days) const {
@@ -110,6 +150,10 @@ bool SoluteTransport::follow(double days, const std::vector<double>& before) {
     after[cell] = water_->contentOf(cell);
     contents_[cell] = std::min(before[cell], after[cell]);
   }
+  if (isWorkTooMuch()) {
+    return false;
+  }
+  passedDays_ += days;
   for (std::size_t number = 0; number < solutes_.size(); ++number) {
     const Solute& solute = solutes_[number];
     std::vector<double>& leaving = changes_;
@@ -135,7 +179,7 @@ bool SoluteTransport::follow(double days, const std::vector<double>& before) {
         fastest = std::max(fastest, leaving[cell] / (water_->cellVolume(cell) * (contents_[cell] + solute.sorption)));
       }
     }
-    const double steps = std::max(1.0, std::ceil(fastest * days / 0.9));
+    const double steps = std::max(1.0, std::ceil(fastest * days / kPartOfStep));
     work_ += steps * static_cast<double>(count);
     // the first part of a step is short, and does not show that all of them take hours
     if (!(work_ <= kMostWork) || !(fastest * stepDays_ * static_cast<double>(count) <= kMostWorkAtRate)) {

@@ -40,7 +40,9 @@ class SoluteTransport {
   /// Begins a step of the simulation of so many days.
   void beginStep(double days) {
     stepDays_ = days;
+    passedDays_ = 0.0;
     work_ = 0.0;
+    looks_ = 0;
   }
   /// Follows the solver's last advance(), which took `days` and before which the water contents were `before`. False: a
   /// solute spreads too fast for the cells, so that the step of the simulation would take minutes.
@@ -56,6 +58,9 @@ class SoluteTransport {
 
  private:
   [[nodiscard]] double diffusivityIn(const Solute& solute, std::size_t cell) const;
+  /// Changes of cells by diffusion alone in so many days, as fast as it is at the water contents contents_.
+  [[nodiscard]] double workOfDiffusion(double days) const;
+  [[nodiscard]] bool isWorkTooMuch();
   [[nodiscard]] double coefficientOf(const Solute& solute, std::size_t cell, std::size_t axis) const;
   [[nodiscard]] double surfaceCoefficientOf(const Solute& solute, std::size_t cell) const;
   [[nodiscard]] double atFace(const Solute& solute, std::size_t cell, std::size_t axis, double days) const;
@@ -68,6 +73,8 @@ class SoluteTransport {
   std::vector<Balance> balances_;             // by solute
   double stepDays_ = 0.0;                     // of the step of the simulation
   double work_ = 0.0;                         // cells that follow() has changed in it
+  double passedDays_ = 0.0;                   // of it, before the last follow()
+  int looks_ = 0;                             // of isWorkTooMuch() in it
   std::vector<double> contents_;              // of water, in a step (cells)
   std::vector<double> concentrations_;        // of one solute, in a step (cells)
   std::vector<double> changes_;               // of one solute, in a step (cells)

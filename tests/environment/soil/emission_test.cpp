@@ -107,6 +107,10 @@ TEST(Emission, ImpossibleTimesAndSizesAreErrors) {
   EXPECT_EQ(process->open({})->message,
             "Environment 'emission' would need more than 100000 diffusion steps in a step of 1.000000 days. Use larger "
             "cells, a smaller diffusivity or shorter steps.");
+  // 6 · 8000/0.9 steps of 8 million cells
+  EXPECT_EQ(makeProcess("emission", R"({"gridSize":[200,200,200],"diffusivity":8000})").value()->open({})->message,
+            "Environment 'emission' would take minutes for a step: 53334 diffusion steps of 8000000 cells. Use larger "
+            "or fewer cells, a smaller diffusivity or shorter steps.");
   EXPECT_EQ(errorsOf(makeProcess("emission", R"({"gridSize":[4096,4096,4096]})")),
             "error: environment process 'emission': the grid has 68719476736 cells, and the limit is 67108864\n"
             "   hint: use fewer cells along x, y or z");

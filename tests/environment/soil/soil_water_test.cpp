@@ -9,6 +9,7 @@
 #include "environment/base/air.h"
 #include "environment/soil/soil_body.h"
 #include "tests/environment/query_builder.h"
+#include "tests/environment/stops_after.h"
 
 namespace espalier::environment {
 
@@ -346,6 +347,34 @@ TEST(SoilWater, EvaporationByWeatherNeedsTheWeather) {
   EXPECT_EQ(errorsOf(makeProcess("soil-water", R"({"groundLight":[[0,1.5]]})")),
             "error: environment process 'soil-water': 'groundLight' has a part above 1\n"
             "   hint: give the part of the global radiation, from 0 to 1");
+}
+
+TEST(SoilWater, ASoluteThatSpreadsTooFastIsRefusedBeforeTheWork) {
+  const auto process = openProcess("soil-water", R"({"solutes":[[1,0,1e7,0,0,0]]})");
+  const std::string before = process->save();
+  StopsAfter meter(1000);  // followed, it asks millions of times
+  const core::WorkMeter::Scope scope(&meter);
+  const auto error = process->tick(1);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_EQ(error->message.find("Environment 'soil-water' would take minutes for a step to follow its solutes"), 0U)
+      << error->message;
+  EXPECT_EQ(process->save(), before);
+}
+
+TEST(SoilWater, ASoluteThatIsTakenUpWholeEndsAtZero) {
+  for (const auto& [concentration, wishes] :
+       {std::pair{"0.94", std::vector{0.655}}, {"0.39", {1.335, 1.237, 1.472}}, {"0.677", {0.727, 0.451}}}) {
+    const auto process =
+        openProcess("soil-water", "{" + kColumn + R"(,"bottom":"closed","initially":"waterTable","solutes":[[)" +
+                                      concentration + ",0,0,0,0,0]]}");
+    QueryBuilder builder;
+    for (const double wanted : wishes) {
+      builder.add({0, -0.35, 0}, {0, 0, 0, 0, 0, 0, 0, wanted, 0});
+    }
+    answersOf(*process, builder.batch());
+    // rounded shares added up to more than there was
+    EXPECT_EQ(*answerAt(*process, {0, -0.35, 0})[8], 0.0) << concentration;
+  }
 }
 
 TEST(SoilWater, FieldsShowWhatQueriesSee) {
