@@ -187,7 +187,10 @@ class SoilWater final : public turtle::EnvironmentProcess {
                              kNoLimit);
           },
           [&](std::size_t cell, double amount) {
-            body_.solutes().amounts(solute)[cell] -= amount / body_.water().cellVolume(cell);
+            double& left = body_.solutes().amounts(solute)[cell];
+            const double taken = amount / body_.water().cellVolume(cell);
+            // rounding must not take more than there is
+            left = taken > 0.0 && left >= 0.0 ? std::max(left - taken, 0.0) : left - taken;
           },
           replies);
     }

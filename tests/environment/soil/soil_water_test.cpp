@@ -395,6 +395,37 @@ TEST(SoilWater, FieldsShowWhatQueriesSee) {
   EXPECT_EQ(fields[3].values[2], answer[6]);
 }
 
+TEST(SoilWater, DefaultsAreConvertedToTheWorldsUnit) {
+  // the same ground by its defaults, in a rainless week of evaporation, in each unit of length
+  const auto answerIn = [](const std::string& unit, double length, const std::string& evaporation) {
+    turtle::EnvironmentContext context;
+    context.world.lengthUnit = unit;
+    context.world.stepDurationDays = 7.0;
+    const auto process = openProcess(
+        "soil-water", R"({"acidity":true,"bottom":"closed","evaporation":[[0,)" + evaporation + "]]}", context);
+    answerAt(*process, {0, -0.02 * length, 0});
+    return answerAt(*process, {0, -0.02 * length, 0}, {1e3 * length * length * length, 0, 0, 0, 0, 0, 0});
+  };
+  const auto metres = answerIn("m", 1.0, "0.002");
+  for (const auto& [unit, length, evaporation] :
+       {std::tuple{"dm", 10.0, "0.02"}, {"cm", 100.0, "0.2"}, {"mm", 1000.0, "2"}}) {
+    const auto answer = answerIn(unit, length, evaporation);
+    EXPECT_NEAR(*answer[0] / (length * length * length), *metres[0], 1e-9) << unit;
+    EXPECT_NEAR(*answer[1] / length, *metres[1], 1e-6) << unit;
+    EXPECT_NEAR(*answer[2], *metres[2], 1e-8) << unit;
+    EXPECT_NEAR(*answer[6], *metres[6], 1e-8) << unit;
+  }
+}
+
+TEST(SoilWater, GivenLengthsAreNotConverted) {
+  turtle::EnvironmentContext context;
+  context.world.lengthUnit = "cm";
+  const auto process =
+      openProcess("soil-water", R"({"initialHead":-1,"cellSize":[2,2,2],"position":[0,-40,0]})", context);
+  EXPECT_EQ(answerAt(*process, {1, -1, 1})[1], -1.0);
+  EXPECT_EQ(process->fields().front().cellSize, (core::Vec3{2, 2, 2}));
+}
+
 TEST(SoilWater, WhatCannotBeIsAnError) {
   turtle::EnvironmentContext context;
   const auto openingError = [&](const std::string& configuration) {
@@ -448,37 +479,6 @@ TEST(SoilWater, AnInitialHeadBeyondAllSoilsIsAnError) {
 TEST(SoilWater, AFlowWithoutSolutionInSteepDrySoilSaysWithWhichHeadToBegin) {
   // α 2, n 8: an effective saturation of 10⁻⁶ at (10^(6/7 · 8/7) − 1)^(1/8)/2
   const auto process =
-TEST(SoilWater, DefaultsAreConvertedToTheWorldsUnit) {
-  // the same ground by its defaults, in a rainless week of evaporation, in each unit of length
-  const auto answerIn = [](const std::string& unit, double length, const std::string& evaporation) {
-    turtle::EnvironmentContext context;
-    context.world.lengthUnit = unit;
-    context.world.stepDurationDays = 7.0;
-    const auto process = openProcess(
-        "soil-water", R"({"acidity":true,"bottom":"closed","evaporation":[[0,)" + evaporation + "]]}", context);
-    answerAt(*process, {0, -0.02 * length, 0});
-    return answerAt(*process, {0, -0.02 * length, 0}, {1e3 * length * length * length, 0, 0, 0, 0, 0, 0});
-  };
-  const auto metres = answerIn("m", 1.0, "0.002");
-  for (const auto& [unit, length, evaporation] :
-       {std::tuple{"dm", 10.0, "0.02"}, {"cm", 100.0, "0.2"}, {"mm", 1000.0, "2"}}) {
-    const auto answer = answerIn(unit, length, evaporation);
-    EXPECT_NEAR(*answer[0] / (length * length * length), *metres[0], 1e-9) << unit;
-    EXPECT_NEAR(*answer[1] / length, *metres[1], 1e-6) << unit;
-    EXPECT_NEAR(*answer[2], *metres[2], 1e-8) << unit;
-    EXPECT_NEAR(*answer[6], *metres[6], 1e-8) << unit;
-  }
-}
-
-TEST(SoilWater, GivenLengthsAreNotConverted) {
-  turtle::EnvironmentContext context;
-  context.world.lengthUnit = "cm";
-  const auto process =
-      openProcess("soil-water", R"({"initialHead":-1,"cellSize":[2,2,2],"position":[0,-40,0]})", context);
-  EXPECT_EQ(answerAt(*process, {1, -1, 1})[1], -1.0);
-  EXPECT_EQ(process->fields().front().cellSize, (core::Vec3{2, 2, 2}));
-}
-
       openProcess("soil-water", R"({"layers":[[1,0.05,0.4,2,8,1]],"initialHead":-1000,"rain":[[0,0.03]]})");
   const auto error = process->tick(0);
   ASSERT_TRUE(error.has_value());
