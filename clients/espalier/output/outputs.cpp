@@ -16,6 +16,7 @@
 #include "clients/espalier/number_option.h"
 #include "clients/espalier/output/drawing_order.h"
 #include "clients/espalier/output/progress_bar.h"
+#include "engine/core/elementary.h"
 #include "engine/core/number_text.h"
 #include "engine/core/streams.h"
 #include "engine/turtle/export/picture/png.h"
@@ -373,7 +374,7 @@ void OutputWriter::warnIfFar(const turtle::Scene& scene, const files::ViewSettin
   }
   const double largest = std::max(largestOf(box->minimum), largestOf(box->maximum));
   // between neighbouring numbers of single precision
-  const double step = std::exp2(std::floor(std::log2(largest)) - 23.0);
+  const double step = core::exp2(std::floor(core::log2(largest)) - 23.0);
   if (step > kFine * largestOf(box->maximum - box->minimum)) {
     std::string text;
     core::appendNumber(text, step, core::NumberStyle::Shortest);
