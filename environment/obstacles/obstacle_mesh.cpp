@@ -128,6 +128,10 @@ tl::expected<MeshData, std::string> readMesh(std::string_view name, const std::s
 }
 
 void mergeCorners(MeshData& mesh) {
+  // solids that touch have corners of their own
+  if (auto asGiven = mesh.triangles; orient(asGiven)) {
+    return;
+  }
   std::map<std::tuple<double, double, double>, std::uint32_t> places;
   std::vector<std::uint32_t> firstAt;
   for (const Vec3& p : mesh.vertices) {

@@ -24,7 +24,8 @@ struct MeshData {
 /// that says what is wrong with the file. `name` may be empty for the text of an OBJ or glTF file. O(n log n).
 [[nodiscard]] tl::expected<MeshData, std::string> readMesh(std::string_view name, const std::string& bytes);
 
-/// Lets all triangles use the first of the vertices that lie at the same place. O(n log n).
+/// Lets all triangles use the first of the vertices that lie at the same place, unless the mesh is closed with its own.
+/// O(n log n).
 void mergeCorners(MeshData& mesh);
 
 /// The first error of a mesh: a coordinate that is not finite, a corner that is no vertex, no triangle. Empty when

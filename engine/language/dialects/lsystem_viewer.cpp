@@ -58,8 +58,10 @@ std::size_t remarkOf(std::string_view code) {
     const std::size_t length = code.substr(at).starts_with("//") ? 2 : code[at] == '#' || code[at] == ';' ? 1 : 0;
     const std::string_view behind = code.substr(std::min(at + length, code.size()));
     const auto isBlank = [](char c) { return c == ' ' || c == '\t'; };
+    // a colour may be #ff0000
+    const bool needsBlank = hasSymbols || (at > 0 && code[at] == '#');
     if (length > 0 && (at == 0 || isBlank(code[at - 1])) &&
-        (!hasSymbols || behind.empty() || isBlank(behind.front()))) {
+        (!needsBlank || behind.empty() || isBlank(behind.front()))) {
       return at;
     }
   }

@@ -251,5 +251,14 @@ TEST(Obstacles, VerticesOfAnInlineMeshThatLieAtOnePlaceAreOne) {
   EXPECT_EQ(row, (std::vector<double>{0, -0.5}));
 }
 
+TEST(Obstacles, SolidsThatTouchKeepTheirInside) {
+  // two tetrahedra with vertices of their own and one side in common
+  const auto process =
+      openProcess("obstacles", R"({"vertices":[[0,0,0],[4,0,0],[0,4,0],[0,0,4],[0,0,0],[4,0,0],[0,-4,0],[0,0,-4]],)"
+                               R"("triangles":[[0,2,1],[0,3,2],[0,1,3],[1,2,3],[4,6,5],[4,7,6],[4,5,7],[5,6,7]]})");
+  const auto row = valuesOf(answersOf(*process, QueryBuilder().add({0.5, 1, 1}, {0.1, 0.05}).batch())[0]);
+  EXPECT_EQ(row, (std::vector<double>{0, -0.5}));
+}
+
 }  // namespace
 }  // namespace espalier::environment::obstacles_test

@@ -149,7 +149,7 @@ class TextbookReader {
     }
     TextbookSymbols unused;
     TextbookModules modules(report_, unused, PainterSigns{});
-    const MappedText successor = modules.modules(shape.from(colon + 1));
+    const MappedText successor = modules.modules(shape.from(colon + 1), 0, !painter_.isActive());
     MappedText text = modules.modules(shape.to(colon));
     text.make(" --> ", shape.offset).add(successor.empty() ? MappedText("*", shape.offset) : successor);
     model_.drawing.push_back(std::move(text));
@@ -278,10 +278,11 @@ class TextbookReader {
     }
   }
 
-  // `0 : A`, a line of a list of the strings of all steps
-  static bool isDerivedString(std::string_view value) {
+  // `0 : A`, a line of a list of the strings of all steps, which begins with 0 or 1
+  [[nodiscard]] bool isDerivedString(std::string_view value) const {
     const std::size_t mark = std::min(value.find_first_not_of("0123456789 "), value.size());
-    return mark > 0 && value.substr(mark).starts_with(':');
+    const std::string_view number = value.substr(0, value.find_first_of(" :"));
+    return mark > 0 && value.substr(mark).starts_with(':') && (hasDerivedStrings_ || number == "0" || number == "1");
   }
 
   // `4`, or `d/4`: a step of the next generation is a quarter as long
@@ -457,12 +458,12 @@ class TextbookReader {
     const bool isLevel = head.subscript.kind == Subscript::Kind::Level;
     const int shift = isLevel ? head.subscript.shift : 0;
     const std::string plainName = head.name;
-    const MappedText successor = modules_.modules(right, shift);
+    const bool isBase = !isLevel && head.subscript.shift == 0;
+    const MappedText successor = modules_.modules(right, shift, isBase);
     symbols_.levelled.insert(head.name);
     const std::string condition = isLevel ? "n > 0" : "n == " + std::to_string(head.subscript.shift);
     MappedText rule(head.name + "(n) : " + condition + " --> ", left.offset);
     rule.add(successor.empty() ? MappedText("*", right.offset) : successor);
-    const bool isBase = !isLevel && head.subscript.shift == 0;
     if (isBase) {
       // level 0 is drawn
       bases_.insert(head.name);

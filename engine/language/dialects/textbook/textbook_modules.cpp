@@ -120,13 +120,18 @@ std::optional<double> textbookNumber(std::string_view text) {
 
 Subscript readSubscript(std::string_view text, std::size_t& at) {
   std::string small;
+  const std::size_t begin = at;
   for (const Pair* sign = pairAt(kSubscripts, text.substr(std::min(at, text.size()))); sign != nullptr;
        sign = pairAt(kSubscripts, text.substr(at))) {
     small += sign->second;
     at += sign->first.size();
   }
   if (!small.empty()) {
-    return subscriptOf(small);
+    const Subscript subscript = subscriptOf(small);
+    // a sign stands in levels only
+    const bool isWrong = subscript.kind == Subscript::Kind::Name && small.find_first_of("+-") != std::string::npos;
+    at = isWrong ? begin : at;
+    return isWrong ? Subscript{} : subscript;
   }
   if (at + 1 >= text.size() || text[at] != '_') {
     return {};
@@ -152,7 +157,7 @@ Subscript readSubscript(std::string_view text, std::size_t& at) {
   return subscriptOf(inner);
 }
 
-MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift) {
+MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift, bool isDrawing) {
   MappedText result;
   const std::string_view text = piece.text;
   for (std::size_t at = 0; at < text.size();) {
@@ -198,6 +203,10 @@ MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift
       at = last;
       continue;
     }
+    const bool isExchanged = isDrawing && (symbol == "/" || symbol == "\\");
+    if (isExchanged) {
+      symbol = symbol == "/" ? "\\" : "/";
+    }
     // two slashes in a row would begin a comment
     if (symbol == "/" && std::string_view(result.text()).ends_with('/')) {
       result.make(" ", offset);
@@ -221,7 +230,7 @@ MappedText TextbookModules::modules(const TextPiece& piece, int predecessorShift
     } else {
       result.make(symbol, offset);
     }
-    if (symbol.size() == 1) {
+    if (symbol.size() == 1 && !isExchanged) {
       (hasParameters ? symbols_.numbered : symbols_.plain).insert(symbol.front());
     }
     if (!hasParameters) {

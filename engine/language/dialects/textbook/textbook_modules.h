@@ -54,8 +54,8 @@ class TextbookModules {
   void setFormals(const TextPiece& predecessor);
 
   /// A string of modules: blanks are removed, subscripts become names or parameters. In a successor levels are relative
-  /// to the predecessor's, `n + predecessorShift`.
-  [[nodiscard]] MappedText modules(const TextPiece& piece, int predecessorShift = 0);
+  /// to the predecessor's, `n + predecessorShift`. A drawing has its rolls exchanged: those of strings are by drawings.
+  [[nodiscard]] MappedText modules(const TextPiece& piece, int predecessorShift = 0, bool isDrawing = false);
   /// A condition or probability: `=` is `==`, `≤`, `≥`, `≠`, `∧` and `∨` are written out.
   [[nodiscard]] MappedText condition(const TextPiece& piece);
   /// Another expression: `∧` is a power.

@@ -18,6 +18,8 @@ TEST(LsystemViewer, AcceptsEveryPunctuation) {
   EXPECT_EQ(cpfgText("generations: 2\nangle: 60°\naxiom: F\nprule: F → F+F\n"), plain);
   EXPECT_EQ(cpfgText("generations = 2\nangle = 60\naxiom = F\nprule = F = F+F\n"), plain);
   EXPECT_EQ(cpfgText("# a remark\nGENERATIONS 2\nangle 120/2\naxiom F\nprule F --> F + F\n"), plain);
+  const std::string coloured = "generations 2\nangle 60\naxiom F\nprule F --> F+F\ncolor #ff0000\n";
+  EXPECT_NE(foreignMessages(coloured).front().find("unknown color '#ff0000'"), std::string::npos);
 }
 
 TEST(LsystemViewer, RemarksMayStandBehindACommand) {

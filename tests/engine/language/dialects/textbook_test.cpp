@@ -132,6 +132,8 @@ TEST(Textbook, ATurnWithANumberHasTheDirectionOfOneWithout) {
   EXPECT_TRUE(contains(text, "+(x) --> -(x)\n-(x) --> +(x)\n/(x) --> \\(x)\n\\(x) --> /(x)\n")) << text;
   // the sign of the next colour changes no roll
   EXPECT_TRUE(contains(cpfgText("ω: F/F’F\nδ = 30°\nF → F\n"), "/ --> \\(30)\n' --> ;\n"));
+  // what is drawn is not drawn once more
+  EXPECT_TRUE(contains(cpfgText("ω: L\nshape L: /(x/2)F\\F\nL → L\n"), "L --> \\(x/2)F/F\n"));
   // one drawing of a symbol is enough
   const std::string alone = aloneText("ω: F/F&F\nδ = 30°\nF → F\n");
   EXPECT_TRUE(contains(alone, "/ --> \\(30)\n& --> &(30)\nendlsystem\n")) << alone;
@@ -218,6 +220,9 @@ TEST(Textbook, StringsOfAllStepsAreSkipped) {
                       "6:1: warning: lines such as 'n = 1 : AB' show strings of the model | they are skipped; 'n = 4' "
                       "sets the number of steps"}));
   EXPECT_TRUE(contains(cpfgText(text + "n = 4\n"), "derivation length: 4\nAxiom: A\n"));
+  // no list begins so
+  EXPECT_EQ(foreignMessages("axiom: F\nF → FF\nn = 3 : Koch\n").size(), 1U);
+  EXPECT_TRUE(foreignMessages("axiom: F\nF → FF\nn = 3 : Koch\n").front().starts_with("3:5: error"));
 }
 
 TEST(Textbook, ASentenceMayHoldTheAngle) {
@@ -239,7 +244,7 @@ TEST(Textbook, AStepMayShrinkWithEachGeneration) {
 }
 
 TEST(Textbook, AShapeDefinesTheDrawingOfASymbol) {
-  EXPECT_TRUE(contains(cpfgText("ω: A\nA → [A]A\nshape A: F\nshape ]: ]/(180)\n"), "A --> F\n] --> ]/(180)\n"));
+  EXPECT_TRUE(contains(cpfgText("ω: A\nA → [A]A\nshape A: F\nshape ]: ]/(180)\n"), "A --> F\n] --> ]\\(180)\n"));
 }
 
 TEST(Textbook, StartsUpwardsUnlessAnAngleIsGiven) {
