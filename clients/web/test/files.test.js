@@ -109,6 +109,7 @@ test("a panel with a mistake keeps the items that can be read", () => {
   const page = (name) => `type: PAGE\nname: ${name}\nmessage: p 1\n${button("On")}${button("Off ")}\ntype: GROUP\nOn\nOff \nENDGROUP\n\n`;
   assert.deepEqual(read(page("one") + page("two")), [["On|1", "Off |1", "On|2", "Off |2"], []]);
   // limits and values
+  assert.deepEqual(read(slider.replace("value: 8\n", "") + button("A")), [["A|"], ['line 9: expected a number behind value: of the slider "Leaves", found "message:"']]);
   assert.deepEqual(read(slider.replace("1 24", "1") + button("A")), [["A|"], ['line 9: expected two numbers behind min/max: of the slider "Leaves", found "value:"']]);
   assert.deepEqual(read(slider.replace("min/max: 1 24\nvalue: 8", "value: 8\nmin/max: 1 24") + button("A")), [["A|"], ['line 8: expected two numbers behind min/max: of the slider "Leaves", found "value:"']]);
   const swapped = panel.parsePanel(head + slider.replace("1 24", "24 1"));

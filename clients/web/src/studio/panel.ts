@@ -190,14 +190,14 @@ function join(members: Member[], group: number, panel: Panel): void {
   }
 }
 
-/** An item, and a problem when a part of it is missing: the parts behind it are not read then. Without limits a slider has `low` NaN. */
+/** An item, or one with `low` NaN and a problem when a part of it is missing. */
 function readItem(reader: Reader, type: PanelItem["type"] | "page", problems: string[]): Omit<PanelItem, "type" | "page"> {
-  const item = { name: "", x: 0, y: 0, low: type === "slider" ? NaN : 0, high: 1, value: 0, message: "", colours: [] as string[], group: null };
+  const item = { name: "", x: 0, y: 0, low: 0, high: 1, value: 0, message: "", colours: [] as string[], group: null };
   const report = (problem: string) => problems.push(`line ${reader.line}: ${problem}`);
   const without = (part: string) => {
     report(`expected ${part} of the ${type} "${item.name}", found "${reader.peek()}"`);
     reader.skipItem();
-    return item;
+    return { ...item, low: NaN };
   };
   const name = reader.textOf("name:");
   if (name === null) {
