@@ -267,14 +267,8 @@ export class Studio {
     await this.openDocument(await galleryDocument(this.client, name), step);
   }
 
-  private requireController(): void {
-    if (this.isReadOnly) {
-      throw new Error("This page only watches: choose a plant under Server. To grow one of your own, open the page without #watch, or with a token of the role controller.");
-    }
-  }
-
   async openDocument(document: Document, step?: number): Promise<void> {
-    this.requireController();
+    this.watched.requireController();
     this.document = document;
     this.isChanged = false;
     this.openFile = fileOf(document.main);
@@ -309,7 +303,7 @@ export class Studio {
 
   /** `isSame`: the plant is the same in its state. */
   private async follow(changes: Partial<Document>, isSame = false): Promise<void> {
-    this.requireController();
+    this.watched.requireController();
     this.document = { ...this.document, ...changes, gallery: null };
     this.isSame &&= isSame;
     this.isChanged = true;

@@ -35,6 +35,13 @@ export class Watched {
 
   constructor(private readonly studio: Studio) {}
 
+  /** An error when this page may only watch. */
+  requireController(): void {
+    if (this.studio.isReadOnly) {
+      throw new Error("This page only watches: choose a plant under Server. To grow one of your own, open the page without #watch, or with a token of the role controller.");
+    }
+  }
+
   isAmong(simulations: Information[]): boolean {
     return this.id !== "" && simulations.some(({ simulation }) => simulation === this.id);
   }
