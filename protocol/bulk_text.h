@@ -10,12 +10,14 @@ namespace espalier::protocol {
 
 /// Reads environment.step and its answer as text, several times faster than the tree of decodeMessage. It takes only
 /// usual lines: another method, another member or an error anywhere leaves the line to decodeMessage, which reports
-/// errors. For every line that this class takes, decodeMessage gives the same values. Keeps memory for the longest
-/// line.
+/// errors. For every line that this class takes, decodeMessage gives the same values. Keeps memory of four times the
+/// longest line until rest().
 class BulkTextReader {
  public:
   /// Lines below it are left to the tree.
   static constexpr std::size_t kLeastBytes = 4'096;
+  /// An idle side keeps no memory of longer lines.
+  static constexpr std::size_t kIdleBytes = 1'000'000;
 
   BulkTextReader();
   ~BulkTextReader();
@@ -23,6 +25,8 @@ class BulkTextReader {
   BulkTextReader& operator=(BulkTextReader&&) noexcept;
 
   [[nodiscard]] std::optional<Message> read(std::string_view line);
+  /// The caller reads nothing more for now.
+  void rest();
 
  private:
   struct Parser;

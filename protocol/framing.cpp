@@ -5,13 +5,6 @@
 
 namespace espalier::protocol {
 
-namespace {
-
-/// More memory than an idle side keeps, bytes.
-constexpr std::size_t kMuch = 1'000'000;
-
-}  // namespace
-
 void LineSplitter::feed(std::string_view bytes) {
   if (isOverflowed_) {
     return;
@@ -30,7 +23,7 @@ void LineSplitter::dropReturned() {
 
 void LineSplitter::rest() {
   dropReturned();
-  if (buffer_.capacity() > kMuch && buffer_.size() < buffer_.capacity() / 4) {
+  if (buffer_.capacity() > BulkTextReader::kIdleBytes && buffer_.size() < buffer_.capacity() / 4) {
     buffer_.shrink_to_fit();
   }
 }

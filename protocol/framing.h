@@ -81,7 +81,10 @@ class MessageReader {
   [[nodiscard]] std::optional<Read> next();
   void allowBlocks() { areBlocksAllowed_ = true; }
   /// The caller reads nothing more for now: memory of one long message is not kept.
-  void rest() { lines_.rest(); }
+  void rest() {
+    lines_.rest();
+    bulk_.rest();
+  }
   /// The limit of the lines that have not been returned yet.
   void setLineBytes(std::size_t bytes) { lines_.setMaximumLineBytes(bytes); }
   /// Bytes of the line that the next call of next() would decode; 0: none.

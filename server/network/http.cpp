@@ -88,6 +88,7 @@ class WebSocketConnection final : public PeerConnection {
     if (buffer_.capacity() > kBigMessage) {
       buffer_.shrink_to_fit();
     }
+    bulk_.rest();
     (void)hold(0);
     co_return true;
   }

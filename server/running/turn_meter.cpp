@@ -22,6 +22,11 @@ constexpr std::int64_t kGraceBytes = 64 << 20;
 constexpr std::int64_t kLargeBytes = 32 << 20;
 constexpr std::int64_t kTrimSeconds = 1;
 
+/// So much freed memory stays at the end of a thread's heap, which malloc_trim does not give back.
+constexpr int kHeapEndBytes = 8 << 20;
+/// Larger blocks are mapped, and given back when they are freed. The most that the C library accepts.
+constexpr int kMappedBytes = 32 << 20;
+
 /// A turn was large, and the heap has not been trimmed since.
 std::atomic<bool> isTrimWanted{false};
 std::atomic<std::int64_t> lastTrim{-kTrimSeconds};  // seconds of the monotonic clock
@@ -48,6 +53,9 @@ std::uint64_t threadNanoseconds() noexcept {
 
 void boundHeaps(unsigned workers) {
   static_cast<void>(mallopt(M_ARENA_MAX, static_cast<int>(std::max(workers, 1U) + 1)));
+  // left alone, the library raises the first bound to 64 MB for each heap
+  static_cast<void>(mallopt(M_TRIM_THRESHOLD, kHeapEndBytes));
+  static_cast<void>(mallopt(M_MMAP_THRESHOLD, kMappedBytes));
 }
 
 bool isHeapTrimDue() noexcept {

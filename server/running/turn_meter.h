@@ -76,7 +76,8 @@ class PartMeter final : public core::WorkMeter {
 };
 
 /// The C library keeps freed memory, in a heap for each thread until there are eight for each core. A server bounds the
-/// number: what threads have freed is there for others. For the whole process, before its threads begin.
+/// number, so that what threads have freed is there for others, and how much each heap keeps at its end. For the whole
+/// process, before its threads begin.
 void boundHeaps(unsigned workers);
 
 /// A large turn has ended since the heaps were trimmed, and that was a second ago.

@@ -69,18 +69,25 @@ class Hostile(unittest.TestCase):
 
     # ---- peers ----
 
-    def test_an_idle_connection_keeps_no_memory_of_its_largest_message(self) -> None:
+    def assert_idle_peers_cost_little(self, message: bytes) -> None:
         server = self.serve()
         before = resident_bytes(server.process_id)
-        message = json.dumps({"jsonrpc": "2.0", "id": 7, "method": "ping", "params": {"text": "x" * 40_000_000}}).encode() + b"\n"
         for _ in range(4):
             peer = self.peer(server)
             peer.send(message)
-            self.assertIn("result", peer.read())
+            self.assertEqual(peer.read()["id"], 7)
         end = time.monotonic() + SECONDS
         while resident_bytes(server.process_id) - before > 60_000_000 and time.monotonic() < end:
             time.sleep(0.1)
         self.assertLess(resident_bytes(server.process_id) - before, 60_000_000)
+
+    def test_an_idle_connection_keeps_no_memory_of_its_largest_message(self) -> None:
+        self.assert_idle_peers_cost_little(
+            json.dumps({"jsonrpc": "2.0", "id": 7, "method": "ping", "params": {"text": "x" * 40_000_000}}).encode() + b"\n")
+
+    def test_an_idle_connection_keeps_no_memory_of_a_step_of_an_environment(self) -> None:
+        self.assert_idle_peers_cost_little(
+            b'{"jsonrpc":"2.0","id":7,"method":"environment.step","params":{"queries":[' + b"1," * 10_000_000 + b"1]}}\n")
 
     def test_a_hello_that_trickles_in_is_given_up(self) -> None:
         server = self.serve("handshakeMilliseconds=300")
