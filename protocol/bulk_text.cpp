@@ -292,17 +292,24 @@ class RepliesReader {
  public:
   ReplyColumns read(ondemand::value value) {
     using Row = MemberRow<RepliesReader>;
-    static constexpr std::array kRows{Row{"replies", true, &RepliesReader::replies}};
+    static constexpr std::array kRows{Row{"replies", true, &RepliesReader::replies},
+                                      Row{"notes", false, &RepliesReader::notes}};
     readMembers(must(value.get_object()), *this, kRows);
-    return replies_.take();
+    ReplyColumns columns = replies_.take();
+    columns.notes = std::move(notes_);
+    return columns;
   }
 
  private:
   void replies(ondemand::value value) {
     eachElement(value, [&](ondemand::value reply) { ReplyReader(replies_).read(reply); });
   }
+  void notes(ondemand::value value) {
+    eachElement(value, [&](ondemand::value note) { addNote(must(note.get_string()), notes_); });
+  }
 
   ReplyCollector replies_;
+  std::vector<std::string> notes_;
 };
 
 MessageId idOf(ondemand::value value) {

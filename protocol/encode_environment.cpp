@@ -160,6 +160,9 @@ std::string encode(const ReplyColumns& replies) {
   JsonWriter writer;
   writer.reserve(replies.count * kUsualReplyBytes + 20);
   writeReplies(writer.beginObject(), replies);
+  if (!replies.notes.empty()) {
+    writer.key("notes").texts(replies.notes);
+  }
   return writer.endObject().take();
 }
 
@@ -181,7 +184,12 @@ void writeReplies(JsonWriter& writer, const ReplyColumns& replies) {
 }
 
 Body encodeBlocks(const ReplyColumns& replies) {
-  Body body("{}");
+  JsonWriter writer;
+  writer.beginObject();
+  if (!replies.notes.empty()) {
+    writer.key("notes").texts(replies.notes);
+  }
+  Body body(writer.endObject().take());
   if (!replies.id.empty()) {
     body.blocks.add("id", replies.id, {replies.count});
   }

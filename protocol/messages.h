@@ -449,6 +449,7 @@ struct ReplyColumns {
   std::span<const std::uint64_t> offset;  // of each reply's values (count + 1)
   std::span<const double> values;         // concatenated
   std::span<const std::uint8_t> isSet;    // like values, 0: keeps what was sent; empty: all are set
+  std::vector<std::string> notes;         // sentences for the user of the simulation
   std::shared_ptr<const void> owner;
 };
 

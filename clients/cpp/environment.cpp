@@ -48,6 +48,7 @@ std::string encodeReplies(const Replies& replies) {
   columns.id = ids;
   columns.offset = offset;
   columns.values = values;
+  columns.notes = replies.notes();
   return protocol::encode(columns);
 }
 

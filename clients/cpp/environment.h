@@ -56,10 +56,14 @@ class Replies {
   explicit Replies(std::size_t queryCount) : values_(queryCount) {}
   /// Sets the first parameters of the module of a query, in order. Numbers must be finite.
   void set(std::size_t query, std::vector<double> values) { values_[query] = std::move(values); }
+  /// A sentence for the user of the simulation, who reads the same one once: at most 50 in a step, of 1,000 bytes each.
+  void note(std::string sentence) { notes_.push_back(std::move(sentence)); }
   [[nodiscard]] const std::vector<std::vector<double>>& values() const { return values_; }
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   std::vector<std::vector<double>> values_;  // by query; empty: no reply
+  std::vector<std::string> notes_;
 };
 
 /// Base class of environments in C++. Every simulation has an object of its own. An exception fails the step: its text

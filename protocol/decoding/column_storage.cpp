@@ -1,5 +1,7 @@
 #include "protocol/decoding/column_storage.h"
 
+#include <algorithm>
+
 namespace espalier::protocol {
 namespace {
 
@@ -122,6 +124,19 @@ void ReplyCollector::keep() {
   storage_->isSet.resize(storage_->values.size(), 1);
   storage_->isSet.push_back(0);
   storage_->values.push_back(0.0);
+}
+
+void addNote(std::string_view note, std::vector<std::string>& notes) {
+  constexpr std::size_t kMaximumNotes = 50;
+  constexpr std::size_t kMaximumBytes = 1'000;
+  std::size_t end = std::min(note.size(), kMaximumBytes);
+  // not within a character
+  while (end < note.size() && end > 0 && (static_cast<unsigned char>(note[end]) & 0xC0U) == 0x80U) {
+    --end;
+  }
+  if (notes.size() < kMaximumNotes) {
+    notes.emplace_back(note.substr(0, end));
+  }
 }
 
 ReplyColumns ReplyCollector::take() {

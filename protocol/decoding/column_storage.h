@@ -57,6 +57,9 @@ class QueryCollector {
   std::uint32_t lastSymbol_ = 0;
 };
 
+/// Adds a note of a reply. A list of 50 takes no more, and the end of a note of more than 1,000 bytes is cut off.
+void addNote(std::string_view note, std::vector<std::string>& notes);
+
 /// Collects replies one by one.
 class ReplyCollector {
  public:

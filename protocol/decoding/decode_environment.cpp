@@ -70,6 +70,13 @@ void readReply(const Member& member, ReplyCollector& replies) {
   replies.end();
 }
 
+void readNotes(const Member& member, std::vector<std::string>& notes) {
+  const std::size_t count = member.isAbsent() ? 0 : member.arraySize();
+  for (std::size_t i = 0; i < count; ++i) {
+    addNote(member.element(i).text(), notes);
+  }
+}
+
 /// Each id is below the number of queries and there at most once.
 void requireRightIds(const ReplyColumns& replies, std::size_t queryCount, bool isInBlocks) {
   const auto fail = [&](std::size_t index, const std::string& what) {
@@ -258,6 +265,9 @@ Expected<ReplyColumns> decodeReplies(const Payload& payload, std::size_t queryCo
   Payload none;
   return decodePayload<ReplyColumns>(isBulk ? none : payload, [&](const Member& result, ReplyColumns& replies) {
     replies = isBulk ? *payload.bulk()->replies : read(result);
+    if (result.isObject()) {
+      readNotes(result["notes"], replies.notes);
+    }
     requireRightIds(replies, queryCount, payload.blocks() != nullptr);
   });
 }

@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 from typing import Any, Dict, List
 
-from support import REPOSITORY, Process, espalier, program, stdio
+from support import REPOSITORY, Process, espalier, program, python, stdio
 
 # Tips fork and move on; each answer goes into the place of the next tip, so that one different bit changes the plant.
 MODEL = """Lsystem: 1
@@ -65,6 +65,23 @@ class Programs(unittest.TestCase):
                     dialled = espalier("derive", model, "--every", "--quiet", "--environment",
                                        f"tcp://{served.address}").stdout
                     self.assertTrue(dialled == expected, f"{name} over TCP grows another plant")
+
+    def test_what_an_environment_notes_is_a_warning_once(self) -> None:
+        model = self.model(1)
+        box = self.folder / "box.json"
+        box.write_text('{"type":"light-voxels","position":[100,100,100],"gridSize":[4,4,4]}', encoding="utf-8")
+        inside = espalier("derive", model, "--environment", str(box)).stderr
+        self.assertEqual(inside.count("no query of the step lies in its box"), 1, inside)
+        command = [program(), "environment", "light-voxels", "--configuration", str(box), "--stdio"]
+        self.assertEqual(espalier("derive", model, "--environment", stdio(command)).stderr, inside)
+        for answers in ("def answer(self, query):\n        self.note('the well is dry')\n        return [1]",
+                        "def step_columns(self, queries):\n        self.note('the well is dry')\n"
+                        "        return [1] * queries.count"):
+            script = self.folder / "well.py"
+            script.write_text("from espalier import Environment\n\n\nclass Well(Environment):\n    " + answers +
+                              "\n\n\nWell.serve()\n", encoding="utf-8")
+            said = espalier("derive", model, "--environment", stdio(python(script))).stderr
+            self.assertEqual(said.splitlines(), ["warning: the well is dry"])
 
     def test_the_environment_has_a_say_in_it(self) -> None:
         """Otherwise the comparison above would prove nothing."""

@@ -75,6 +75,11 @@ TEST(BulkText, RepliesReadBitwiseAsTheTreeReadsThem) {
   const auto slow = decodeReplies(decodeMessage(line).value().payload, 401).value();
   EXPECT_EQ(encode(fast), encode(slow));
   EXPECT_EQ(fast.count, 401U);
+  // and notes
+  const std::string noting = line.substr(0, line.rfind("}}")) + R"(,"notes":["it is \u00e9"]}})" + "\n";
+  const auto noted = reader.read(noting);
+  ASSERT_TRUE(noted.has_value());
+  EXPECT_EQ(decodeReplies(noted->payload, 401).value().notes, std::vector<std::string>{"it is \u00e9"});
   // ids are checked as ever
   EXPECT_FALSE(decodeReplies(message->payload, 400).has_value());
 }

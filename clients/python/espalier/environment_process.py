@@ -79,6 +79,21 @@ class EnvironmentProcess:
         """
         raise NotImplementedError
 
+    def note(self, sentence: str) -> None:
+        """Says something to the user of the simulation, as a warning of the step: that an input was out of range, that all
+        queries were outside of the field. The same sentence is said once in a simulation. Of one step 50 sentences are
+        said; the end of one of more than 1,000 bytes is cut off. Call it while a step is answered.
+
+        >>> class Field(espalier.Environment):
+        ...     def step(self, queries):
+        ...         if all(query.position[1] > 10 for query in queries):
+        ...             self.note("all queries are above the measured field")
+        ...         return [[0] for query in queries]
+        """
+        notes = self.__dict__.setdefault("_notes_of_step", [])
+        if sentence not in notes and len(notes) < 50:
+            notes.append(str(sentence))
+
     def save(self) -> Any:
         """The complete state as a JSON value."""
         return None

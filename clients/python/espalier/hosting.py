@@ -194,6 +194,8 @@ class Host:
                        [read_query(shape, f"params.queries[{index}]") for index, shape in enumerate(sent or [])])
             answers: Sequence[Answer] = self._run("step()", lambda: environment.step(queries), key[0])
             reply = Reply({"replies": self._replies(queries, answers, key[0])})
+        if notes := vars(environment).pop("_notes_of_step", None):
+            reply.value["notes"] = notes
         simulation.last_reply = reply
         simulation.last_request = key
         return reply

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/core/check.h"
+#include "engine/core/diagnostic.h"
 #include "engine/core/number_text.h"
 #include "engine/turtle/scene/geometry.h"
 
@@ -328,7 +329,7 @@ void AnswerPass::writeReplies(const turtle::ReplyBatch& replies) {
                                 "(This is said once.)");
   }
   for (const std::string& note : replies.notes) {
-    if (parts_.options.messages && said_.insert(note).second) {
+    if (parts_.options.messages && said_.size() < core::DiagnosticList::kLimit && said_.insert(note).second) {
       parts_.options.messages(core::MessageKind::Warning, note);
     }
   }

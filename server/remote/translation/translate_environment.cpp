@@ -173,6 +173,7 @@ turtle::QueryBatch toBatch(const protocol::EnvironmentStepParams& params, const 
 
 protocol::ReplyColumns toReplies(const turtle::QueryBatch& queries, const turtle::ReplyBatch& replies) {
   protocol::ReplyColumns columns;
+  columns.notes = replies.notes;
   const std::size_t count = queries.size();
   if (std::find(replies.isSet.begin(), replies.isSet.end(), 0) == replies.isSet.end()) {
     columns.count = count;
@@ -232,6 +233,7 @@ void applyReplies(const protocol::ReplyColumns& columns, const turtle::QueryBatc
     }
     replies.answeredCount += isAnswered ? 1 : 0;
   }
+  replies.notes.insert(replies.notes.end(), columns.notes.begin(), columns.notes.end());
 }
 
 }  // namespace espalier::server

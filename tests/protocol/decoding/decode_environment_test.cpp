@@ -212,6 +212,29 @@ TEST(DecodeEnvironment, RepliesInBlocksReadAsTheSameRepliesAsText) {
   EXPECT_EQ(encode(again), encode(replies));
 }
 
+TEST(DecodeEnvironment, NotesComeWithRepliesAsTextAndInBlocks) {
+  const std::string text = R"({"replies":[{"id":0,"parameters":[1]}],"notes":["it is dark","it is dry"]})";
+  const auto replies = decodeReplies(crossed(encodeResult(MessageId::of(1), text)), 1).value();
+  EXPECT_EQ(encode(replies), text);
+  const auto again = decodeReplies(crossed(encodeResult(MessageId::of(1), encodeBlocks(replies))), 1).value();
+  EXPECT_EQ(again.notes, (std::vector<std::string>{"it is dark", "it is dry"}));
+}
+
+TEST(DecodeEnvironment, NotesAreBounded) {
+  const auto notesOf = [](const std::string& notes) {
+    return decodeReplies(crossed(encodeResult(MessageId::of(1), R"({"replies":[],"notes":)" + notes + "}")), 0);
+  };
+  std::string many = "[";
+  for (int i = 0; i < 60; ++i) {
+    many += "\"x\",";
+  }
+  EXPECT_EQ(notesOf(many + "\"y\"]").value().notes, std::vector<std::string>(50, "x"));
+  // not cut within a character
+  const std::string cut = notesOf("[\"" + std::string(999, 'x') + "\u00e9\"]").value().notes.at(0);
+  EXPECT_EQ(cut, std::string(999, 'x'));
+  EXPECT_EQ(notesOf("[1]").error().message, "result.notes[0]: expected a text, found 1");
+}
+
 TEST(DecodeEnvironment, RepliesAreCheckedAgainstTheQueries) {
   const auto decode = [](const std::string& replies) { return decodeReplies(payload("result", replies), 2); };
   EXPECT_EQ(problem(decode(R"({"replies":[{"id":2,"parameters":[1]}]})")),
