@@ -11,6 +11,7 @@
 #include "engine/simulation/snapshot_editing.h"
 #include "protocol/json_writer.h"
 #include "server/metrics.h"
+#include "server/remote/models/gallery.h"
 #include "server/remote/translation/translate.h"
 #include "server/running/turn_meter.h"
 
@@ -105,6 +106,7 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   options.world = std::move(world);
   options.seeds = seedRules(record_.create.seeds);
   options.environmentOrigin = std::move(environment.origin);
+  options.messages = RunWarnings::sinkOf(warnings_, services_.galleryFolder);
   *environmentBytes_ = environmentMemory.net();
   auto process = countMemory(std::move(environment.process), environmentBytes_);
   if (trace_ != nullptr) {
@@ -193,7 +195,9 @@ protocol::Expected<std::unique_ptr<HostedSimulation>> HostedSimulation::load(Sim
 }
 
 protocol::Error HostedSimulation::errorOf(const core::SimulationError& error) const {
-  return toError(error, simulation_->completedSteps(), limits_, environmentNames_);
+  protocol::Error said = toError(error, simulation_->completedSteps(), limits_, environmentNames_);
+  said.message = withinGallery(services_.galleryFolder, std::move(said.message));
+  return said;
 }
 
 protocol::Error HostedSimulation::storageError(const std::string& problem) const {
@@ -340,6 +344,8 @@ void HostedSimulation::adopt(HostedSimulation& fresh) {
     links_.swap(fresh.links_);
   }
   environmentBytes_.swap(fresh.environmentBytes_);
+  queries_.swap(fresh.queries_);
+  warnings_.swap(fresh.warnings_);
   isSaved_ = fresh.isSaved_;
   isSaveDue_ = fresh.isSaveDue_;
   trace_ = fresh.trace_;

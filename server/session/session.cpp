@@ -1,6 +1,7 @@
 #include "server/session/session.h"
 
 #include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include "protocol/codec.h"
@@ -65,7 +66,8 @@ void Session::respond(const protocol::MessageId& id, std::string_view resultJson
 
 void Session::warn(const protocol::MessageId& id, std::vector<std::string> warnings) {
   const std::lock_guard lock(mutex_);
-  warnings_[protocol::toText(id)] = std::move(warnings);
+  std::vector<std::string>& all = warnings_[protocol::toText(id)];
+  all.insert(all.end(), std::make_move_iterator(warnings.begin()), std::make_move_iterator(warnings.end()));
 }
 
 std::string Session::withWarnings(const protocol::MessageId& id, std::string_view resultJson) {

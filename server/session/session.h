@@ -60,7 +60,7 @@ class Session final : public AskedPeer, public std::enable_shared_from_this<Sess
   void respondError(const protocol::MessageId& id, const protocol::Error& error);
   /// Unknown members of a request are errors: the peer named the capability `strict`.
   [[nodiscard]] bool isStrict() const;
-  /// Sentences that the answer to a request will have as `warnings`.
+  /// Adds sentences that the answer to a request will have as `warnings`.
   void warn(const protocol::MessageId& id, std::vector<std::string> warnings);
   void notify(std::string_view method, const protocol::Body& params);
   /// Calls onDrained() when that time has passed.

@@ -62,6 +62,15 @@ protocol::StepResult resultOf(SimulationRunner& runner, const StepProgress& prog
   return result;
 }
 
+/// Answers with the state, and with the warnings of the steps.
+void answerWithState(SimulationRunner& runner, Session& session, const protocol::MessageId& id,
+                     const StepProgress& progress, bool isTruncated) {
+  if (auto warnings = runner.hosted().takeWarnings(); !warnings.empty()) {
+    session.warn(id, std::move(warnings));
+  }
+  session.respond(id, protocol::encode(resultOf(runner, progress, isTruncated)));
+}
+
 bool isDone(const simulation::Simulation& simulation, const StepProgress& progress) {
   return simulation.isFinished() || (progress.params.until ? simulation.completedSteps() >= *progress.params.until
                                                            : progress.madeSteps >= progress.params.steps);
@@ -79,7 +88,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
   const bool isAtEnd = isDone(simulation, progress);
   if (isAtEnd || command.isPaused) {
     runner.publishEndOf(command);
-    session.respond(id, protocol::encode(resultOf(runner, progress, !isAtEnd)));
+    answerWithState(runner, session, id, progress, !isAtEnd);
     return false;
   }
   if (const auto problem = cpuProblemOf(session, runner)) {
@@ -129,7 +138,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
   if (isLast || runner.isClosing()) {
     // the controller first, viewers after
     runner.publishEndOf(command);
-    session.respond(id, protocol::encode(resultOf(runner, progress, !isLast)));
+    answerWithState(runner, session, id, progress, !isLast);
     runner.publishState(true);
     return false;
   }

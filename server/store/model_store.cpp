@@ -82,16 +82,7 @@ CompiledModel compileFolder(const ModelFiles& found, language::CompileInput inpu
   return compiled;
 }
 
-// clients see the names of files within the gallery, never where the server keeps it
-std::string withinGallery(const std::string& gallery, std::string text) {
-  const std::string prefix = (fs::path(gallery) / "").string();
-  for (std::size_t at = text.find(prefix); at != std::string::npos; at = text.find(prefix, at)) {
-    text.erase(at, prefix.size());
-  }
-  return text;
-}
-
-core::DiagnosticList withinGallery(const std::string& gallery, const core::DiagnosticList& diagnostics) {
+core::DiagnosticList renamedWithin(const std::string& gallery, const core::DiagnosticList& diagnostics) {
   core::DiagnosticList renamed;
   for (core::Diagnostic diagnostic : diagnostics.entries()) {
     diagnostic.message = withinGallery(gallery, std::move(diagnostic.message));
@@ -230,7 +221,7 @@ protocol::Expected<CompiledModel> ModelStore::compileGallery(const std::string& 
   }
   DiskFileProvider files;
   CompiledModel compiled = compileFolder(*found, std::move(input), files);
-  compiled.result.diagnostics = withinGallery(galleryFolder_, compiled.result.diagnostics);
+  compiled.result.diagnostics = renamedWithin(galleryFolder_, compiled.result.diagnostics);
   // its own environment, for simulations that name none
   const bool isOneOfMany = slash != std::string::npos;
   if (isOneOfMany && !found->environment.ends_with(".e")) {

@@ -110,6 +110,19 @@ class Queries(unittest.TestCase):
             simulation.step(2)
             return [stream.read(SECONDS) for _ in range(3)]
 
+    def test_they_come_after_the_model_was_compiled_anew(self) -> None:
+        with Server(program(), arguments=["--log-level", "off"]) as server, server.connect(timeout=SECONDS) as client:
+            simulation = client.create("Lsystem: 1\n#define HIGH 3\nderivation length: 9\nAxiom: F(HIGH)A?E(0)\n"
+                                       "A > ?E(h) --> F(HIGH)A\nendlsystem\n", environment=[{"type": "height"}])
+            with simulation.stream("queries", credits=None) as stream:
+                simulation.step()
+                simulation.set({"HIGH": 5})
+                simulation.step()
+                frame = stream.read(SECONDS)
+                while frame.step != 2:
+                    frame = stream.read(SECONDS)
+                self.assertEqual([query["position"] for query in frame.queries], [[0, 6, 0]])
+
     def test_what_a_step_asked_and_was_answered(self) -> None:
         with Server(program(), arguments=["--log-level", "off"]) as server, server.connect(timeout=SECONDS) as client:
             first, second, third = self.follow(client)

@@ -17,7 +17,7 @@ from typing import Any, AsyncIterator, Callable, Dict, List, Mapping, Optional, 
 
 from . import async_channel, client as blocking, requests, wire
 from .environment_entries import Environments, entries
-from .errors import ConnectionLost, EspalierError, warn_about
+from .errors import ConnectionLost, EspalierError, warn_about, warn_of_run
 from .hosting import CLIENT_ROLES, hello_parameters
 from .model_folder import ModelSource
 from .requests import Inbox, NewModule, Request, Result, result_of
@@ -301,6 +301,7 @@ class AsyncSimulation:
     async def step(self, steps: int = 1, *, until: Optional[int] = None) -> StepResult:
         made = await self._do(requests.step(self.identifier, steps, until))
         self.history.append(made)
+        warn_of_run(made.warnings)
         return made
 
     @_as(blocking.Simulation.steps)
@@ -316,6 +317,7 @@ class AsyncSimulation:
         if progress is None:
             made = await self._do(requests.run(self.identifier))
             self.history.append(made)
+            warn_of_run(made.warnings)
             return made
         async with await self.stream("statistics", credits=None) as stream:
             first = await stream.read()
@@ -333,7 +335,9 @@ class AsyncSimulation:
                         progress(frame)
                         self.history.append(step_of(frame))
                         shown = frame.step
-                return running.result()
+                made = running.result()
+                warn_of_run(made.warnings)
+                return made
             finally:
                 # an exception of `progress` or a cancelled task ends the run too
                 for task in (running, reading):

@@ -21,7 +21,7 @@ from . import requests, tables, wire
 from .environment_entries import Environments, entries
 from .model_folder import ModelSource
 from .connecting import connect
-from .errors import ConnectionLost, EspalierError, warn_about
+from .errors import ConnectionLost, EspalierError, warn_about, warn_of_run
 from .hosting import CLIENT_ROLES, hello_parameters
 from .plotting import plotted
 from .requests import Inbox, NewModule, Request, Result, result_of
@@ -300,6 +300,7 @@ class Simulation:
         simulation stays at its last completed step. The same call continues when the environment works again."""
         made = self._do(requests.step(self.identifier, steps, until))
         self.history.append(made)
+        warn_of_run(made.warnings)
         return made
 
     def steps(self) -> Iterator[StepResult]:
@@ -327,6 +328,7 @@ class Simulation:
         if progress is None:
             made = self._do(request)
             self.history.append(made)
+            warn_of_run(made.warnings)
             return made
         report = progress
         with self.stream("statistics", credits=None) as stream:
@@ -349,6 +351,7 @@ class Simulation:
             while shown < made.step:
                 self._client._receive(self._client._timeout, "stream.data")
                 show()
+        warn_of_run(made.warnings)
         return made
 
     def pause(self) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 
 class EspalierError(Exception):
@@ -113,6 +113,12 @@ class ServerError(EspalierError):
         """The step that failed, when one did."""
         found = self._member("step")
         return found if isinstance(found, int) else None
+
+
+def warn_of_run(sentences: Sequence[str]) -> None:
+    """Shows the warnings of steps, at the line of the caller's caller."""
+    for sentence in sentences:
+        warnings.warn(sentence, RunWarning, stacklevel=3)
 
 
 def warn_about(created: Mapping[str, Any]) -> None:

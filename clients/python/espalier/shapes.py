@@ -27,6 +27,7 @@ class StepResult:
     truncated: bool  # fewer steps than requested, although the model is not finished
     saved: bool  # the state is on the server's disk
     statistics: Mapping[str, Any]
+    warnings: Sequence[str] = ()  # of the model and its environments in these steps; each is said once in a simulation
 
 
 @dataclass(frozen=True)
@@ -195,7 +196,7 @@ def read_frame(shape: Mapping[str, Any], blocks: Blocks = MappingProxyType({})) 
 def read_step(shape: Mapping[str, Any]) -> StepResult:
     """The result in the answer to simulation.step or simulation.run."""
     return StepResult(int(shape["step"]), bool(shape["finished"]), bool(shape["truncated"]),
-                      bool(shape.get("saved", False)), shape["statistics"])
+                      bool(shape.get("saved", False)), shape["statistics"], tuple(shape.get("warnings", ())))
 
 
 def step_of(frame: Frame) -> StepResult:

@@ -123,6 +123,14 @@ std::optional<fs::path> galleryFolderOf(const std::string& gallery, const std::s
   return fs::path(gallery) / name;
 }
 
+std::string withinGallery(const std::string& gallery, std::string text) {
+  const std::string prefix = (fs::path(gallery) / "").string();
+  for (std::size_t at = text.find(prefix); !gallery.empty() && at != std::string::npos; at = text.find(prefix, at)) {
+    text.erase(at, prefix.size());
+  }
+  return text;
+}
+
 std::string pathOrGallery(const std::string& name) {
   std::error_code error;
   const auto folder = fs::exists(name, error) ? std::nullopt : galleryFolderOf(galleryOfProgram(), name);

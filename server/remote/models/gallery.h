@@ -32,8 +32,11 @@ inline constexpr const char* kForestFile = "forest.json";
 /// gallery.
 [[nodiscard]] std::optional<std::filesystem::path> galleryFolderOf(const std::string& gallery, const std::string& name);
 
-/// The path of a model as a person names it: a file or folder by that name, else the folder of the model with that name in
-/// galleryOfProgram(), else the name itself.
+/// A message with the names of files within the gallery: clients do not learn where the server keeps it.
+[[nodiscard]] std::string withinGallery(const std::string& gallery, std::string text);
+
+/// The path of a model as a person names it: a file or folder by that name, else the folder of the model with that name
+/// in galleryOfProgram(), else the name itself.
 [[nodiscard]] std::string pathOrGallery(const std::string& name);
 
 /// The files of a model of the gallery.

@@ -507,10 +507,11 @@ export class Studio {
     return this.answered.step;
   }
 
-  private reached({ step, finished }: { step: number; finished: boolean }): void {
+  private reached({ step, finished, warnings }: { step: number; finished: boolean; warnings?: string[] }): void {
     this.answered = { step, finished };
     this.step = step;
     this.isFinished = finished;
+    this.message = warnings ? { text: warnings.map((text) => `Warning: ${text.split("\n")[0].replace(" warning:", "")}`).join(" "), isError: false } : this.message;
   }
 
   /** Derives to a step, and keeps states on the way. */
