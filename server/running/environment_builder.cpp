@@ -146,7 +146,8 @@ std::string titleOf(const environment::EnvironmentEntry& entry) {
 /// by names in the gallery.
 environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry& entry,
                                              core::Compatibility compatibility, const EnvironmentServices& services,
-                                             simulation::EnvironmentOrigin& origin) {
+                                             simulation::EnvironmentOrigin& origin,
+                                             std::vector<core::Diagnostic>& warnings) {
   const auto model = protocol::memberOf(entry.configuration, "model").value_or("");
   const auto folder = galleryFolderOf(services.galleryFolder, model);
   const std::string file = folder ? fileWithSuffix(*folder, model, ".e") : std::string();
@@ -156,7 +157,6 @@ environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry
   }
   DiskFileProvider disk;
   core::RecordingFileProvider files(disk);
-  std::vector<core::Diagnostic> warnings;
   auto made = environment::makeFromEnvironmentFile(file, files, compatibility, warnings);
   // where the gallery is on this machine stays unknown to clients
   const auto inGallery = [&services](const std::string& name) {
@@ -172,7 +172,7 @@ environment::ProcessOrErrors makeFromGallery(const environment::EnvironmentEntry
 /// The process that a specification on the wire names. It can read only the files that came with it.
 protocol::Expected<std::unique_ptr<turtle::EnvironmentProcess>> makeFromSentFiles(
     const environment::EnvironmentEntry& entry, const std::string& path, core::Compatibility compatibility,
-    simulation::EnvironmentOrigin& origin) {
+    simulation::EnvironmentOrigin& origin, std::vector<core::Diagnostic>& warnings) {
   const auto main = protocol::memberOf(entry.configuration, "main");
   auto texts = protocol::textsOf(entry.configuration, "files");
   if (!texts) {
@@ -184,7 +184,6 @@ protocol::Expected<std::unique_ptr<turtle::EnvironmentProcess>> makeFromSentFile
   }
   origin = {*main, {texts->begin(), texts->end()}};
   core::MemoryFileProvider files(std::move(*texts));
-  std::vector<core::Diagnostic> warnings;
   auto made = environment::makeFromEnvironmentFile(*main, files, compatibility, warnings);
   if (!made) {
     return tl::unexpected(protocol::memberError(path, sentences(made.error())));
@@ -245,14 +244,14 @@ protocol::Expected<BuiltEnvironment> buildEnvironment(const std::string& environ
       built.names.push_back(titleOf(entry));
       process = settings.policy.around(std::move(remote), services.onFailure);
     } else if (entry.type == "field") {
-      auto made = makeFromSentFiles(entry, path, compatibility, fieldOrigin);
+      auto made = makeFromSentFiles(entry, path, compatibility, fieldOrigin, built.warnings);
       if (!made) {
         return tl::unexpected(std::move(made.error()));
       }
       process = std::move(*made);
       built.names.push_back(entry.name == entry.type ? *protocol::memberOf(entry.configuration, "main") : entry.name);
     } else {
-      auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services, fieldOrigin)
+      auto made = entry.type == "gallery" ? makeFromGallery(entry, compatibility, services, fieldOrigin, built.warnings)
                                           : environment::makeProcess(entry.type, entry.configuration);
       if (!made) {
         return tl::unexpected(protocol::memberError(path, sentences(made.error())));

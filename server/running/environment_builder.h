@@ -44,6 +44,7 @@ struct BuiltEnvironment {
   std::vector<std::string> names;                       // of the entries, for people: honda, offered:mylight
   std::vector<std::string> processNames;                // by which queries address them, as many
   simulation::EnvironmentOrigin origin;                 // for snapshots: how a command line makes it again
+  std::vector<core::Diagnostic> warnings;               // of environment files
 };
 
 /// Makes the environment of a simulation from the `environment` array of simulation.create. `isAbsenceTolerated`:

@@ -107,6 +107,9 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   options.seeds = seedRules(record_.create.seeds);
   options.environmentOrigin = std::move(environment.origin);
   options.messages = RunWarnings::sinkOf(warnings_, services_.galleryFolder);
+  for (const core::Diagnostic& warning : environment.warnings) {
+    options.messages(core::MessageKind::Warning, core::formatDiagnostic(warning));
+  }
   *environmentBytes_ = environmentMemory.net();
   auto process = countMemory(std::move(environment.process), environmentBytes_);
   if (trace_ != nullptr) {

@@ -64,6 +64,13 @@ class RunWarnings(unittest.TestCase):
                     client.create(gallery="fails").step()
                 self.assertIn("('A', fails/fails.l:4:15): a loop ran more than", str(caught.exception))
 
+    def test_an_environment_file_warns_too(self) -> None:
+        plant = self.client.create(MODEL.replace("1/x", "1"), environment=[
+            {"type": "field", "main": "room.e", "files": {"room.e": "executable: height -e room.e\ngrid spice: 3\n"}}])
+        with warnings.catch_warnings(record=True):
+            said = plant.step().warnings
+        self.assertEqual(self.said(said), ["room.e:2:1: warning: unknown keyword 'grid spice' is ignored"])
+
     def test_they_come_to_an_asynchronous_client(self) -> None:
         async def growing() -> Sequence[str]:
             async with AsyncClient(self.client.address, token=self.client.token) as client:
