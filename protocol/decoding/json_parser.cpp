@@ -30,6 +30,19 @@ std::size_t nestingOf(std::string_view json) {
   return deepest;
 }
 
+/// A text of a peer as an error quotes it: whole, or its beginning. No character is cut.
+std::string shortened(std::string_view text) {
+  constexpr std::size_t kMostBytes = 300;
+  if (text.size() <= kMostBytes) {
+    return std::string(text);
+  }
+  std::size_t end = kMostBytes;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) {
+    --end;
+  }
+  return std::string(text.substr(0, end)) + "...";
+}
+
 /// Destroys what arrays and objects have, the innermost first. Its depth is that of the nesting, which is bounded.
 void makeEmpty(nlohmann::json& value) noexcept {
   if (auto* const array = value.get_ptr<nlohmann::json::array_t*>()) {
@@ -64,7 +77,7 @@ class TreeBuilder {
     auto& object = open_.back()->get_ref<nlohmann::json::object_t&>();
     const auto [place, isNew] = object.try_emplace(std::move(name), nullptr);
     if (!isNew) {
-      repeatedName_ = place->first;
+      repeatedName_ = shortened(place->first);
       return false;
     }
     place_ = &place->second;
@@ -121,9 +134,9 @@ bool isNestedTooDeeply(std::string_view json) {
 }
 
 std::string parserMessage(const nlohmann::json::exception& exception) {
-  std::string text = exception.what();
+  const std::string_view text = exception.what();
   const std::size_t bracket = text.find("] ");
-  return bracket == std::string::npos ? text : text.substr(bracket + 2);
+  return shortened(bracket == std::string_view::npos ? text : text.substr(bracket + 2));
 }
 
 tl::expected<JsonTree, JsonFault> parseTree(std::string_view text) {

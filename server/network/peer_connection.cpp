@@ -18,6 +18,11 @@ constexpr std::size_t kSmall = 65'536;
 // memory that a waiting message takes beside its bytes
 constexpr std::size_t kBesideMessage = 128;
 
+/// The memory of a waiting message: a text that was written in pieces may have room for twice its length.
+std::size_t bytesOf(const std::string& message) {
+  return message.capacity() + kBesideMessage;
+}
+
 }  // namespace
 
 PeerConnection::PeerConnection(asio::any_io_executor executor, ServerCore& core, Accepted accepted)
@@ -67,7 +72,7 @@ void PeerConnection::send(std::shared_ptr<const std::string> message) {
       message = std::make_shared<const std::string>(message->substr(bytes));
     }
   }
-  changeOutbox(static_cast<std::int64_t>(message->size() + kBesideMessage));
+  changeOutbox(static_cast<std::int64_t>(bytesOf(*message)));
   outbox_.push_back(std::move(message));
   if (!isWakeComing_) {
     isWakeComing_ = true;
@@ -172,6 +177,7 @@ void PeerConnection::closeNow() {
     const std::lock_guard lock(mutex_);
     isDeaf_ = true;
     outbox_.clear();
+    noteFreed(outboxBytes_);
     closeTransport();
   }
   wake_.cancel();
@@ -421,11 +427,15 @@ asio::awaitable<void> PeerConnection::writeAll() {
       continue;
     }
     std::size_t bytes = 0;
+    std::size_t memory = 0;
     for (const auto& message : sending) {
       bytes += message->size();
+      memory += bytesOf(*message);
     }
     const bool isSent = co_await write(sending);
-    changeOutbox(-static_cast<std::int64_t>(bytes + sending.size() * kBesideMessage));
+    changeOutbox(-static_cast<std::int64_t>(memory));
+    // the messages themselves are freed before this thread does anything else
+    noteFreed(memory);
     if (!isSent) {
       break;
     }

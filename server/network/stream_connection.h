@@ -75,6 +75,10 @@ class StreamConnection final : public PeerConnection {
       buffers_.push_back(asio::buffer(*message));
     }
     const auto [error, count] = co_await asio::async_write(stream_, buffers_, kAsTuple);
+    // a list of very many short messages is not kept
+    if (buffers_.capacity() > kIdleBuffers) {
+      buffers_ = {};
+    }
     co_return !error;
   }
 
@@ -99,6 +103,7 @@ class StreamConnection final : public PeerConnection {
   }
 
  private:
+  static constexpr std::size_t kIdleBuffers = 1'000;
   static constexpr bool kIsEncrypted = requires(Stream & stream) { stream.next_layer(); };
 
   /// After hello the peer may send more.

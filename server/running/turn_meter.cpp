@@ -58,6 +58,12 @@ void boundHeaps(unsigned workers) {
   static_cast<void>(mallopt(M_MMAP_THRESHOLD, kMappedBytes));
 }
 
+void noteFreed(std::size_t bytes) noexcept {
+  if (bytes > kHeapEndBytes) {
+    isTrimWanted = true;
+  }
+}
+
 bool isHeapTrimDue() noexcept {
   return isTrimWanted && monotonicSeconds() - lastTrim >= kTrimSeconds;
 }

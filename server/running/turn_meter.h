@@ -80,6 +80,9 @@ class PartMeter final : public core::WorkMeter {
 /// process, before its threads begin.
 void boundHeaps(unsigned workers);
 
+/// So many bytes that no turn had taken, such as messages to a slow peer, have been freed or are freed at once. When
+/// they are many the heaps are trimmed as after a large turn.
+void noteFreed(std::size_t bytes) noexcept;
 /// A large turn has ended since the heaps were trimmed, and that was a second ago.
 [[nodiscard]] bool isHeapTrimDue() noexcept;
 /// Gives freed memory back to the system when that is due. Large turns do it at their end; after the last of many that

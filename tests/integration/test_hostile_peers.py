@@ -89,6 +89,19 @@ class Hostile(unittest.TestCase):
         self.assert_idle_peers_cost_little(
             b'{"jsonrpc":"2.0","id":7,"method":"environment.step","params":{"queries":[' + b"1," * 10_000_000 + b"1]}}\n")
 
+    def test_an_idle_connection_keeps_no_memory_of_answers_that_it_read_late(self) -> None:
+        server = self.serve()
+        before = resident_bytes(server.process_id)
+        peer = self.peer(server)
+        count = 300_000
+        peer.send(b'{"jsonrpc":"2.0","id":7,"method":"server.status"}\n' * count)
+        for _ in range(count):
+            self.assertTrue(peer.lines.readline())
+        end = time.monotonic() + SECONDS
+        while resident_bytes(server.process_id) - before > 60_000_000 and time.monotonic() < end:
+            time.sleep(0.1)
+        self.assertLess(resident_bytes(server.process_id) - before, 60_000_000)
+
     def test_a_hello_that_trickles_in_is_given_up(self) -> None:
         server = self.serve("handshakeMilliseconds=300")
         slow = self.peer(server, greets=False)
@@ -156,6 +169,16 @@ class Hostile(unittest.TestCase):
             if code is not None:
                 self.assertEqual(answer["error"]["code"], code, (line[:80], answer))
         self.assertIn("result", peer.ask("server.status"))
+
+    def test_an_error_quotes_the_beginning_of_a_long_text(self) -> None:
+        server = self.serve()
+        peer = self.peer(server)
+        text = "\u00e9".encode() * 100_000
+        for line in (b'{"a":"' + text + b'\xff"}\n', b'{"' + text + b'":1,"' + text + b'":2}\n'):
+            peer.send(line)
+            answer = peer.lines.readline()
+            self.assertIn("error", json.loads(answer))
+            self.assertLess(len(answer), 1000)
 
     def test_keys_that_come_twice_are_refused(self) -> None:
         server = self.serve()
