@@ -18,9 +18,10 @@ constexpr std::size_t kSmall = 65'536;
 // memory that a waiting message takes beside its bytes
 constexpr std::size_t kBesideMessage = 128;
 
-/// The memory of a waiting message: a text that was written in pieces may have room for twice its length.
+/// The memory of a waiting message: a text that was written in pieces may have room for twice its length. The room of a
+/// long one does not count, or an answer as large as the bound could close the connection.
 std::size_t bytesOf(const std::string& message) {
-  return message.capacity() + kBesideMessage;
+  return std::min(message.capacity(), message.size() + kSmall) + kBesideMessage;
 }
 
 }  // namespace
