@@ -25,7 +25,7 @@ class BulkTextReader {
   BulkTextReader& operator=(BulkTextReader&&) noexcept;
 
   [[nodiscard]] std::optional<Message> read(std::string_view line);
-  /// The caller reads nothing more for now.
+  /// Gives back the memory of a line longer than kIdleBytes. For a side that may now be silent for long.
   void rest();
 
  private:

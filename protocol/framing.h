@@ -80,7 +80,7 @@ class MessageReader {
   /// The next complete message, or nothing when there is none.
   [[nodiscard]] std::optional<Read> next();
   void allowBlocks() { areBlocksAllowed_ = true; }
-  /// The caller reads nothing more for now: memory of one long message is not kept.
+  /// Gives back the memory of one long message. For a side that may now be silent for long.
   void rest() {
     lines_.rest();
     bulk_.rest();

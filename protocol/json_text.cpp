@@ -1,6 +1,7 @@
 #include "protocol/json_text.h"
 
 #include <simdjson.h>
+#include <algorithm>
 
 #include "protocol/decoding/json_parser.h"
 
@@ -58,6 +59,14 @@ std::optional<std::vector<std::string>> listOf(std::string_view json, std::strin
 
 bool isPlainText(std::string_view bytes) {
   return bytes.find('\0') == std::string_view::npos && simdjson::validate_utf8(bytes);
+}
+
+std::string_view beginningOf(std::string_view text, std::size_t mostBytes) {
+  std::size_t end = std::min(text.size(), mostBytes);
+  while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) {
+    --end;
+  }
+  return text.substr(0, end);
 }
 
 std::optional<std::string> jsonProblem(std::string_view json) {

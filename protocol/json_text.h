@@ -23,6 +23,9 @@ namespace espalier::protocol {
 /// Whether bytes are text that JSON can carry: UTF-8 without a zero byte.
 [[nodiscard]] bool isPlainText(std::string_view bytes);
 
+/// The first bytes of a text of UTF-8, at most so many, without a part of a character at the end.
+[[nodiscard]] std::string_view beginningOf(std::string_view text, std::size_t mostBytes);
+
 /// The reason why a text is not one JSON value, as `parse error at line 3, column 7: ...`, or that it is nested too
 /// deeply or has an object with a name twice. Nothing when it can be read.
 [[nodiscard]] std::optional<std::string> jsonProblem(std::string_view json);

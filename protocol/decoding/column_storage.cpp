@@ -1,6 +1,6 @@
 #include "protocol/decoding/column_storage.h"
 
-#include <algorithm>
+#include "protocol/json_text.h"
 
 namespace espalier::protocol {
 namespace {
@@ -129,13 +129,8 @@ void ReplyCollector::keep() {
 void addNote(std::string_view note, std::vector<std::string>& notes) {
   constexpr std::size_t kMaximumNotes = 50;
   constexpr std::size_t kMaximumBytes = 1'000;
-  std::size_t end = std::min(note.size(), kMaximumBytes);
-  // not within a character
-  while (end < note.size() && end > 0 && (static_cast<unsigned char>(note[end]) & 0xC0U) == 0x80U) {
-    --end;
-  }
   if (notes.size() < kMaximumNotes) {
-    notes.emplace_back(note.substr(0, end));
+    notes.emplace_back(beginningOf(note, kMaximumBytes));
   }
 }
 

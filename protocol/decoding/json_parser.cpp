@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include "protocol/json_text.h"
+
 namespace espalier::protocol {
 namespace {
 
@@ -30,17 +32,10 @@ std::size_t nestingOf(std::string_view json) {
   return deepest;
 }
 
-/// A text of a peer as an error quotes it: whole, or its beginning. No character is cut.
+/// A text of a peer as an error quotes it: whole, or its beginning.
 std::string shortened(std::string_view text) {
-  constexpr std::size_t kMostBytes = 300;
-  if (text.size() <= kMostBytes) {
-    return std::string(text);
-  }
-  std::size_t end = kMostBytes;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) {
-    --end;
-  }
-  return std::string(text.substr(0, end)) + "...";
+  const std::string_view beginning = beginningOf(text, 300);
+  return std::string(beginning) + (beginning.size() < text.size() ? "..." : "");
 }
 
 /// Destroys what arrays and objects have, the innermost first. Its depth is that of the nesting, which is bounded.

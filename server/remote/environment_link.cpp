@@ -2,21 +2,18 @@
 
 #include <algorithm>
 
+#include "protocol/json_text.h"
+
 namespace espalier::server {
 
 LinkFailure refusedWith(const protocol::Error& error) {
   constexpr std::size_t kMostBytes = 2000;
   LinkFailure failure{LinkFailure::Kind::Refused, "answered with an error: ", error};
-  std::size_t length = std::min(error.message.size(), kMostBytes);
-  // not within a character of UTF-8
-  while (length < error.message.size() && length > 0 &&
-         (static_cast<unsigned char>(error.message[length]) & 0xC0U) == 0x80U) {
-    --length;
-  }
-  failure.message.append(error.message, 0, length);
-  if (length < error.message.size()) {
+  const std::string_view beginning = protocol::beginningOf(error.message, kMostBytes);
+  failure.message += beginning;
+  if (beginning.size() < error.message.size()) {
     failure.message += "... (" + std::to_string(error.message.size()) + " bytes)";
-    failure.error.message.resize(length);
+    failure.error.message.resize(beginning.size());
   }
   return failure;
 }

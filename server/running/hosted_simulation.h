@@ -97,9 +97,9 @@ class HostedSimulation {
   /// Begins a trace, or ends the one being written. On failure nothing changes.
   [[nodiscard]] std::optional<protocol::Error> setTraced(bool isTraced);
   [[nodiscard]] bool isTraced() const { return trace_ != nullptr && traceProblem().empty(); }
-  /// Why the trace has ended although the simulation goes on: a sentence; empty: it has not.
   /// Warnings of its steps that no answer has taken yet.
   [[nodiscard]] std::vector<std::string> takeWarnings() { return warnings_->take(); }
+  /// Why the trace has ended although the simulation goes on: a sentence; empty: it has not.
   [[nodiscard]] std::string traceProblem() const { return trace_ == nullptr ? std::string() : trace_->problem(); }
   [[nodiscard]] std::vector<StoredTrace> traces() const {
     return SimulationTrace::list(services_.traces.path, record_.id);

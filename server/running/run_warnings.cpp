@@ -1,9 +1,9 @@
 #include "server/running/run_warnings.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "engine/core/diagnostic.h"
+#include "protocol/json_text.h"
 #include "server/remote/models/gallery.h"
 
 namespace espalier::server {
@@ -23,7 +23,7 @@ std::vector<std::string> RunWarnings::take() {
 
 void RunWarnings::add(std::string_view text) {
   constexpr std::size_t kMaximumBytes = 2'000;
-  const std::string_view start = text.substr(0, kMaximumBytes);
+  const std::string_view start = protocol::beginningOf(text, kMaximumBytes);
   const std::lock_guard lock(mutex_);
   if (said_.size() < core::DiagnosticList::kLimit && said_.emplace(start).second) {
     waiting_.emplace_back(start);

@@ -80,8 +80,8 @@ class PartMeter final : public core::WorkMeter {
 /// process, before its threads begin.
 void boundHeaps(unsigned workers);
 
-/// So many bytes that no turn had taken, such as messages to a slow peer, have been freed or are freed at once. When
-/// they are many the heaps are trimmed as after a large turn.
+/// So many bytes of no turn are being freed, such as messages to a slow peer. When they are many, the heaps are trimmed
+/// as after a large turn.
 void noteFreed(std::size_t bytes) noexcept;
 /// A large turn has ended since the heaps were trimmed, and that was a second ago.
 [[nodiscard]] bool isHeapTrimDue() noexcept;
