@@ -74,7 +74,9 @@ class Programs(unittest.TestCase):
         self.assertEqual(inside.count("no query of the step lies in its box"), 1, inside)
         command = [program(), "environment", "light-voxels", "--configuration", str(box), "--stdio"]
         self.assertEqual(espalier("derive", model, "--environment", stdio(command)).stderr, inside)
-        for answers in ("def answer(self, query):\n        self.note('the well is dry')\n        return [1]",
+        # of another's program: one line that a terminal can show
+        for answers in ("def answer(self, query):\n        self.note('')\n        self.note('the well is dry')\n        return [1]",
+                        "def answer(self, query):\n        self.note('the\\nwell\\x1bis dry')\n        return [1]",
                         "def step_columns(self, queries):\n        self.note('the well is dry')\n"
                         "        return [1] * queries.count"):
             script = self.folder / "well.py"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/core/message_text.h"
 #include "server/remote/translation/translate_geometry.h"
 
 namespace espalier::server {
@@ -233,7 +234,12 @@ void applyReplies(const protocol::ReplyColumns& columns, const turtle::QueryBatc
     }
     replies.answeredCount += isAnswered ? 1 : 0;
   }
-  replies.notes.insert(replies.notes.end(), columns.notes.begin(), columns.notes.end());
+  for (std::string note : columns.notes) {
+    core::makePrintable(note);
+    if (note.find_first_not_of(' ') != std::string::npos) {
+      replies.notes.push_back(std::move(note));
+    }
+  }
 }
 
 }  // namespace espalier::server
