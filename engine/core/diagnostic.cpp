@@ -97,11 +97,7 @@ std::string formatDiagnostic(const Diagnostic& diagnostic) {
   const SourceLocation& at = diagnostic.location;
   std::string text;
   if (!at.file.empty()) {
-    text += at.file;
-    if (at.line > 0) {
-      text += ':' + std::to_string(at.line) + ':' + std::to_string(at.column);
-    }
-    text += ": ";
+    text += (at.line > 0 ? placeText(at) : at.file) + ": ";
   }
   text += severityWord(diagnostic.severity);
   text += ": ";

@@ -1,7 +1,6 @@
 #include "engine/core/message_text.h"
 
 #include <algorithm>
-#include <string_view>
 
 namespace espalier::core {
 namespace {
@@ -43,6 +42,22 @@ void makePrintable(std::string& text, bool keepsLines) {
     }
     at += std::max<std::size_t>(length, 1);
   }
+}
+
+std::size_t characterCount(std::string_view text) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; at < text.size(); at += std::max<std::size_t>(characterBytes(text, at), 1)) {
+    ++count;
+  }
+  return count;
+}
+
+std::string placeText(const SourceLocation& place) {
+  const std::size_t before = place.column > 0 ? place.column - 1 : 0;
+  const std::string_view line = std::string_view(place.lineText).substr(0, before);
+  // bytes of a line that is not kept count as characters
+  const std::size_t column = place.column > 0 ? before - line.size() + characterCount(line) + 1 : 0;
+  return place.file + ':' + std::to_string(place.line) + ':' + std::to_string(column);
 }
 
 std::string messageText(std::string text, std::size_t used) {

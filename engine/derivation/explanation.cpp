@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/core/check.h"
+#include "engine/core/message_text.h"
 #include "engine/core/number_text.h"
 #include "engine/derivation/expressions/failure.h"
 #include "engine/derivation/rewrite_record.h"
@@ -334,8 +335,7 @@ class Writer {
   }
 
   [[nodiscard]] std::string place(const Production& production) const {
-    const core::SourceLocation location = program_.sourceMap.locate(production.range);
-    return location.file + ":" + std::to_string(location.line) + ":" + std::to_string(location.column);
+    return core::placeText(program_.sourceMap.locate(production.range));
   }
 
   // ---- modules

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/core/message_text.h"
+
 namespace espalier::files {
 
 SourceMap::File::File(std::string fileName, std::string fileText)
@@ -50,8 +52,7 @@ core::SourceLocation SourceMap::locate(core::SourceRange range) const {
       location.expansion += " (defined by the caller)";
     } else {
       const core::SourceLocation definition = locateInFile(files[expansion.file], expansion.definitionOffset, 1);
-      location.expansion += " (" + definition.file + ":" + std::to_string(definition.line) + ":" +
-                            std::to_string(definition.column) + ")";
+      location.expansion += " (" + core::placeText(definition) + ")";
     }
     return location;
   }

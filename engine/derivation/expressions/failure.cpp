@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "engine/core/message_text.h"
+
 namespace espalier::derivation {
 
 void fail(const language::Program& program, const FailurePlace& place, core::SimulationErrorCode code,
@@ -15,8 +17,7 @@ void fail(const language::Program& program, const FailurePlace& place, core::Sim
   }
   std::string where;
   if (!error.location.file.empty()) {
-    where =
-        error.location.file + ":" + std::to_string(error.location.line) + ":" + std::to_string(error.location.column);
+    where = core::placeText(error.location);
   }
 
   std::string message = "step " + std::to_string(place.step) + ", plant " + std::to_string(place.plant);

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "engine/core/message_text.h"
+
 namespace espalier::language {
 namespace {
 
@@ -125,8 +127,8 @@ std::vector<core::Diagnostic> neededFiles(const Program& program, const std::vec
     const core::SourceLocation place = program.sourceMap.locate(need->range);
     core::Diagnostic& error = errors.emplace_back();
     error.location = file.location;
-    const std::string needed = "needed at " + place.file + ":" + std::to_string(place.line) + ":" +
-                               std::to_string(place.column) + "; repair or add the file, or remove this from the model";
+    const std::string needed =
+        "needed at " + core::placeText(place) + "; repair or add the file, or remove this from the model";
     if (file.kind == UnusableFile::Kind::Texture) {
       // only pictures and meshes need a texture, and they show plain parts without it
       error.severity = core::Severity::Warning;

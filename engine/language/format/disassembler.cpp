@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "engine/core/message_text.h"
 #include "engine/core/number_text.h"
 #include "engine/language/arithmetic.h"
 
@@ -68,8 +69,7 @@ class Disassembler {
   void writePlace(core::SourceRange range) {
     if (places_ == DisassemblyPlaces::Shown) {
       const core::SourceLocation place = program_.sourceMap.locate(range);
-      text_ += "  # " + place.file + ":" + std::to_string(place.line) + ":" + std::to_string(place.column) + ": " +
-               place.lineText + "\n";
+      text_ += "  # " + core::placeText(place) + ": " + place.lineText + "\n";
     }
   }
 

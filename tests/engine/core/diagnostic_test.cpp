@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/core/message_text.h"
+
 namespace espalier::core::diagnostic_test {
 namespace {
 
@@ -29,7 +31,16 @@ TEST(Diagnostic, UnderlineStaysOnTheLine) {
 
 TEST(Diagnostic, TheCaretStandsBelowItsCharacterInUtf8) {
   const Diagnostic diagnostic{Severity::Error, "m", {"a.txt", 2, 6, 3, "δ = xé", ""}, ""};
-  EXPECT_EQ(formatDiagnostic(diagnostic), "a.txt:2:6: error: m\n    2 | δ = xé\n      |     ^~");
+  EXPECT_EQ(formatDiagnostic(diagnostic), "a.txt:2:5: error: m\n    2 | δ = xé\n      |     ^~");
+}
+
+TEST(Diagnostic, ColumnsCountCharacters) {
+  EXPECT_EQ(placeText({"a.l", 1, 8, 1, "äöü A", ""}), "a.l:1:5");
+  // Latin-1: each byte is a character
+  EXPECT_EQ(placeText({"a.l", 1, 5, 1, "\xB0\xE4\xF6 A", ""}), "a.l:1:5");
+  // beyond the line, and without it
+  EXPECT_EQ(placeText({"a.l", 1, 9, 1, "äB", ""}), "a.l:1:8");
+  EXPECT_EQ(placeText({"a.l", 1, 9, 1, "", ""}), "a.l:1:9");
 }
 
 TEST(Diagnostic, PlaceBeyondTheLineStillHasACaret) {
