@@ -116,6 +116,21 @@ constexpr std::array kSignatures = {
     Signature{"{\\rtf"sv, "a document with formatting (RTF)"},
 };
 
+/// Whether half of the bytes are 0, all of them at even places or all at odd ones, as in UTF-16 of plain letters.
+bool isUnmarkedUtf16(std::string_view bytes) {
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
+    return false;
+  }
+  const std::string_view start = bytes.substr(0, 2000);
+  std::array<std::size_t, 2> zeros{};
+  for (std::size_t at = 0; at < start.size(); ++at) {
+    zeros[at % 2] += start[at] == '\0' ? 1 : 0;
+  }
+  const std::size_t most = std::max(zeros[0], zeros[1]);
+  // a few letters may have two bytes that are not 0
+  return std::min(zeros[0], zeros[1]) == 0 && start.size() >= 8 && most * 20 >= start.size() * 9;
+}
+
 }  // namespace
 
 std::string_view withoutByteOrderMark(std::string_view text) {
@@ -158,6 +173,9 @@ std::string asUtf8(std::string_view bytes) {
 }
 
 std::string kindOfNoText(std::string_view bytes) {
+  if (isUnmarkedUtf16(bytes)) {
+    return "a text in UTF-16 without a byte order mark";
+  }
   for (const Signature& signature : kSignatures) {
     if (bytes.starts_with(signature.bytes)) {
       return std::string(signature.kind);

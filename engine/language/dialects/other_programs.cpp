@@ -42,6 +42,14 @@ bool isHoudini(std::string_view text) {
   return hasPremise && hasRule;
 }
 
+// `panel name: size`, perhaps behind `target: file`, and items that begin with `type:`
+bool isControlPanel(std::string_view start, std::string_view text) {
+  const std::size_t line = start.starts_with("target:") ? start.find('\n') : std::string_view::npos;
+  const std::string_view head = line == std::string_view::npos ? start : start.substr(line + 1);
+  return head.substr(std::min(head.find_first_not_of(" \t\r\n"), head.size())).starts_with("panel name:") &&
+         holdsWord(text, "\ntype:");
+}
+
 // `let axiom = "F";`, `rules = {"F": "FF"}`: a list of strings in the language of a program; `new LSystem(…)`
 bool isProgram(std::string_view text) {
   bool hasAxiom = false;
@@ -74,6 +82,9 @@ ForeignFile fileWithoutText(std::string_view bytes) {
   if (kind.empty()) {
     return {};
   }
+  if (kind.find("UTF-16") != std::string::npos) {
+    return {"this is " + kind, "save it as UTF-8"};
+  }
   return {"this is " + kind + ", not a model", "give the name of a text file with an L-system"};
 }
 
@@ -87,6 +98,10 @@ ForeignFile modelOfOtherProgram(std::string_view text) {
   }
   if (start.starts_with("{\"") || start.starts_with("{\n  \"") || start.starts_with("{\r\n  \"")) {
     return {"this is a JSON file, not a model", "a forest (.json) is a model for 'run'; else give an L-system file"};
+  }
+  if (isControlPanel(start, text)) {
+    return {"this is a control panel, not a model",
+            "give the .l file whose numbers it edits; the studio shows the panel above its sliders"};
   }
   const bool hasRules = holdsWord(text, "==>") || holdsWord(text, "::>");
   if (hasRules && (holdsWord(text, "module ") || holdsWord(text, "public void") || holdsWord(text, "Axiom"))) {

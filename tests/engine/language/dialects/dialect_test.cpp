@@ -89,11 +89,29 @@ TEST(Dialect, FilesOfOldSystemsAreReadToo) {
   EXPECT_EQ(cpfgText("axiom: F\nF \x96> F+F\nangle: 60\xB0\n"), plain);
 }
 
+TEST(Dialect, AControlPanelIsNamed) {
+  const std::string items = "panel name: buds 200 100\nbackground: 0,0,0\ntype: slider\nname: angle\n";
+  const Messages expected{
+      "1:1: error: this is a control panel, not a model | give the .l file whose numbers it edits; the studio shows the "
+      "panel above its sliders"};
+  EXPECT_EQ(foreignMessages(items), expected);
+  EXPECT_EQ(foreignMessages("target: buds.l\n" + items), expected);
+}
+
 TEST(Dialect, AFileWithoutTextIsNamed) {
   const std::string png = "\x89PNG\r\n\x1A\n" + std::string(100, '\0');
   EXPECT_EQ(foreignMessages(png),
             Messages{"1:1: error: this is a PNG picture, not a model | give the name of a text file with an L-system"});
   EXPECT_EQ(foreignMessages(png, {}, "cpfg"), foreignMessages(png));
+  // "axiom: F" of two bytes a letter, in both orders
+  for (const std::size_t zero : {0U, 1U}) {
+    std::string utf16;
+    for (const char c : std::string("axiom: F\nF -> F+F\n")) {
+      utf16 += zero == 0 ? std::string{'\0', c} : std::string{c, '\0'};
+    }
+    EXPECT_EQ(foreignMessages(utf16),
+              Messages{"1:1: error: this is a text in UTF-16 without a byte order mark | save it as UTF-8"});
+  }
   EXPECT_EQ(foreignMessages("%PDF-1.4\n").front(),
             "1:1: error: this is a PDF document, not a model | give the name of a text file with an L-system");
   for (const std::string& bytes : {std::string("A\0B", 3), std::string("\x03\x9F\x02Q\x1A\x05\0", 7)}) {
