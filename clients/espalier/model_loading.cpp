@@ -549,6 +549,7 @@ std::shared_ptr<const language::Program> loadProgram(ModelOptions& options, core
   input.dialect = options.dialect;
   input.compatibility = options.mode();
   input.limits = options.simulationLimits();
+  input.beginsElsewhere = !options.startFile.empty();
   for (const std::string& define : options.defines) {
     input.defines.push_back(splitDefine(define));
   }

@@ -164,6 +164,7 @@ CompileResult compile(const CompileInput& original, core::FileProvider& original
 
   // -> Program
   CodeGenerator(parsed.syntax, source.text, *program).generate();
+  program->reportedCommands = std::move(parsed.reportedCommands);
   program->view = std::move(view.settings);
   program->text = std::move(source.text);
   program->sourceMap = std::move(source.sourceMap);

@@ -48,7 +48,8 @@ ParsedModel parseModel(const CompileInput& input, const files::ViewSettings& vie
     if (hasSyntaxErrors) {
       messages.dropWarnings();
     } else if (messages.errorCount() == 0) {
-      checkModel(source.text, input.compatibility, origin, parsed.syntax, messages);
+      const CheckedModel checked{input.compatibility, origin, input.beginsElsewhere};
+      parsed.reportedCommands = checkModel(source.text, checked, parsed.syntax, messages);
     }
   }
   if (source.hasLostText) {

@@ -13,8 +13,9 @@ namespace espalier::language {
 /// A model between its text and its Program.
 struct ParsedModel {
   PreprocessResult source;
-  ModelSyntax syntax;    // analysed, unless the source has errors; without the parts with mistakes
-  MessageList messages;  // about source.text: of the parser, the analyser and the checks
+  ModelSyntax syntax;                         // analysed, unless the source has errors; without the parts with mistakes
+  MessageList messages;                       // about source.text: of the parser, the analyser and the checks
+  std::vector<std::string> reportedCommands;  // symbols behind a `@` about which there is a warning
 };
 
 /// Preprocesses, parses and analyses the model file of `input`, which must be a cpfg model, and checks it for probable

@@ -227,6 +227,8 @@ struct Program {
   std::uint32_t maximumStack = 0;  // deepest stack of any code
   std::uint16_t maximumSlots = 0;  // largest frame
 
+  std::vector<std::string> reportedCommands;  // symbols behind a `@` that a warning has named: a run does not repeat it
+
   std::vector<ModelFile> files;  // named by file functions; the operand of FileOpen is an index
 
   files::ViewSettings view;
@@ -254,6 +256,7 @@ struct CompileInput {
   std::vector<std::pair<std::string, std::string>>
       defines;  // like the preprocessor's -DNAME=VALUE; they win over #define
   core::Limits limits;
+  bool beginsElsewhere = false;  // the run begins with a string that the caller gives, not with the axiom
 };
 
 }  // namespace espalier::language

@@ -124,11 +124,37 @@ TEST_F(Cli, LimitsAreOptionsAndErrorsNameThem) {
 }
 
 TEST_F(Cli, AWarningOfARunIsMarkedOnce) {
-  folder_.write("warn.l", "Lsystem: 1\nderivation length: 1\nAxiom: A(0)@x\nA(n) --> A(1/n)?P(0)\nendlsystem\n");
+  folder_.write("warn.l", "Lsystem: 1\nderivation length: 1\nAxiom: A(0)@Ti\nA(n) --> A(1/n)?P(0)\nendlsystem\n");
   const std::string errors = run("derive warn.l --steps 2").errors;
-  EXPECT_TRUE(contains("\n" + errors, "\nwarning: the turtle has no command '@x'")) << errors;
+  EXPECT_TRUE(contains("\n" + errors, "\nwarning: '@Ts', '@Ti' and '@Td' need the number")) << errors;
   EXPECT_TRUE(contains(errors, "warn.l:4:12: warning: division by 0")) << errors;
   EXPECT_FALSE(contains(errors, "warning: warn.l")) << errors;
+}
+
+TEST_F(Cli, AnUnknownCommandIsNamedOnce) {
+  folder_.write("at.l", "Lsystem: 1\nderivation length: 1\nAxiom: A\nA --> F@z(1)A\nendlsystem\n");
+  const std::string errors = run("run at.l -o at.obj").errors;
+  const std::size_t first = errors.find("no command '@z'");
+  EXPECT_NE(first, std::string::npos) << errors;
+  EXPECT_EQ(errors.find("no command '@z'", first + 1), std::string::npos) << errors;
+  // the compiler does not see a string from a file
+  folder_.write("at.string", "@ F A\n");
+  folder_.write("plain.l", "Lsystem: 1\nderivation length: 1\nAxiom: A\nA --> F[A]@M(1,2)\nendlsystem\n");
+  EXPECT_TRUE(contains(run("run plain.l --from at.string -o at.obj").errors, "no command '@F'"));
+}
+
+TEST_F(Cli, AFileOfNoDialectIsNotConverted) {
+  folder_.write("words.txt", "hello world\n");
+  const ProgramRun unknown = run("convert words.txt --to cpfg");
+  EXPECT_EQ(unknown.status, 1);
+  EXPECT_EQ(unknown.output, "");
+  EXPECT_TRUE(contains(unknown.errors, "'words.txt' is a model of no dialect that is known")) << unknown.errors;
+  const std::string model = "Lsystem: 1\nderivation length: 1\nAxiom: A\nA --> FA\nendlsystem\n";
+  folder_.write("own.l", model);
+  const ProgramRun own = run("convert own.l --to cpfg");
+  EXPECT_EQ(own.status, 0);
+  EXPECT_EQ(own.output, model);
+  EXPECT_EQ(own.errors, "'own.l' is already a cpfg model: it is written as it is\n");
 }
 
 TEST_F(Cli, DefinesWinOverTheModel) {

@@ -327,6 +327,13 @@ TEST_F(Output, ARunStartsFromAStringFile) {
   EXPECT_EQ(run("derive tree.l --from two.string --steps 1").output, run("derive tree.l --steps 3").output);
   ASSERT_EQ(run("run tree.l --steps 2 -o two.mtg --quiet").status, 0);
   EXPECT_EQ(run("derive tree.l --from two.mtg --steps 1").output, run("derive tree.l --steps 3").output);
+  // modules that only the string has may occur
+  folder_.write("two.l", "Lsystem: 1\nderivation length: 1\nAxiom: A\nA --> FA\nB --> CB\nendlsystem\n");
+  folder_.write("b.string", "B\n");
+  EXPECT_TRUE(contains(run("derive two.l").errors, "'B' never matches"));
+  const ProgramRun given = run("derive two.l --from b.string");
+  EXPECT_EQ(given.output, "CB\n");
+  EXPECT_EQ(given.errors, "");
   folder_.write("bad.string", "A(1)\n F(2)X(3)\n");
   const ProgramRun bad = run("derive tree.l --from bad.string");
   EXPECT_EQ(bad.status, 1);

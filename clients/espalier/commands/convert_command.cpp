@@ -8,6 +8,7 @@
 
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/messages.h"
+#include "engine/language/compiler.h"
 #include "engine/language/dialects/dialect.h"
 #include "server/remote/disk_files.h"
 
@@ -35,6 +36,16 @@ int convert(const ConvertOptions& options) {
   const std::optional<language::TranslatedModel> translated = language::translateForeign(input, files);
   if (!translated) {
     // the file is a cpfg model, or every command reads it as one
+    const language::CompileResult compiled = language::compile(input, files);
+    const bool isAnyModel = compiled.program != nullptr || language::looksLikeCpfg(*text);
+    if (!isAnyModel) {
+      printDiagnostics(compiled.diagnostics.entries(), options.isQuiet);
+      printError("'" + file + "' is a model of no dialect that is known, and nothing was converted: give --dialect");
+      return kFailure;
+    }
+    if (!options.isQuiet) {
+      printNote("'" + file + "' is already a cpfg model: it is written as it is");
+    }
     std::fwrite(text->data(), 1, text->size(), stdout);
     return kSuccess;
   }

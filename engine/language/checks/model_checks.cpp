@@ -24,15 +24,15 @@ using Modules = std::vector<ModuleSyntax>;
 
 class Checks {
  public:
-  Checks(std::string_view text, core::Compatibility compatibility, ModelOrigin origin, const ModelSyntax& model,
-         MessageList& messages)
+  Checks(std::string_view text, const CheckedModel& checked, const ModelSyntax& model, MessageList& messages)
       : text_(text),
-        isTranslation_(origin == ModelOrigin::Translation),
+        isTranslation_(checked.origin == ModelOrigin::Translation),
+        beginsElsewhere_(checked.beginsElsewhere),
         model_(model),
         messages_(messages),
-        values_(foldConstants(model, compatibility)) {}
+        values_(foldConstants(model, checked.compatibility)) {}
 
-  void run() {
+  std::vector<std::string> run() {
     checkSubSystems();
     for (const LSystemSyntax& system : model_.systems) {
       checkBrackets(system.axiom, "the axiom");
@@ -55,10 +55,13 @@ class Checks {
     checkPolygons();
     // about the letters of such words further messages would only repeat the first
     if (isTranslation_ || !checkWords(text_, model_, messages_)) {
-      checkReach(text_, isTranslation_, model_, messages_);
+      if (!beginsElsewhere_) {
+        checkReach(text_, isTranslation_, model_, messages_);
+      }
       checkUnread();
-      checkModules(text_, model_, messages_);
+      return checkModules(text_, model_, messages_);
     }
+    return {};
   }
 
  private:
@@ -360,6 +363,7 @@ class Checks {
 
   std::string_view text_;
   bool isTranslation_;
+  bool beginsElsewhere_;
   const ModelSyntax& model_;
   MessageList& messages_;
   std::vector<std::optional<double>> values_;  // of constant expressions, by index
@@ -367,9 +371,9 @@ class Checks {
 
 }  // namespace
 
-void checkModel(std::string_view text, core::Compatibility compatibility, ModelOrigin origin, const ModelSyntax& model,
-                MessageList& messages) {
-  Checks(text, compatibility, origin, model, messages).run();
+std::vector<std::string> checkModel(std::string_view text, const CheckedModel& checked, const ModelSyntax& model,
+                                    MessageList& messages) {
+  return Checks(text, checked, model, messages).run();
 }
 
 }  // namespace espalier::language

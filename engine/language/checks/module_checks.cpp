@@ -35,11 +35,11 @@ class ModuleChecks {
     }
   }
 
-  void run() {
+  std::vector<std::string> run() {
     checkUnanswered();
     checkUnmadeQueries();
     checkArities();
-    checkCommands();
+    return checkCommands();
   }
 
  private:
@@ -157,22 +157,26 @@ class ModuleChecks {
 
   // ---- commands of the turtle
 
-  void checkCommands() {
+  std::vector<std::string> checkCommands() {
     std::set<std::string> reported;
     for (const auto& [at, first, second] : commands_) {
       const std::string name = symbolOf(first->type).name;
       const std::string pair = name + (second == nullptr ? std::string() : symbolOf(second->type).name);
       const auto isKnown = [](const std::string& text) { return std::ranges::find(kAfterAt, text) != kAfterAt.end(); };
+      const bool beginsPairs = std::ranges::any_of(
+          kAfterAt, [&](std::string_view text) { return text.size() == 2 && text.front() == name.front(); });
+      const bool isPair = second != nullptr && first->parameters.empty() && beginsPairs;
       // what a production rewrites may become a command
       if (isKnown(name) || isKnown(pair) || read_.contains(at->type) || read_.contains(first->type) ||
-          !reported.insert(name).second) {
+          !reported.insert(isPair ? pair : name).second) {
         continue;
       }
-      messages_.warning(
-          {at->range.begin, first->range.end},
-          "the turtle has no command '@" + name + "': it interprets the symbols after the '@' on their own",
-          "`espalier reference symbols` lists the commands");
+      messages_.warning({at->range.begin, isPair ? second->range.end : first->range.end},
+                        "the turtle has no command '@" + (isPair ? pair : name) +
+                            "': it interprets the symbols after the '@' on their own",
+                        "`espalier reference symbols` lists the commands");
     }
+    return {reported.begin(), reported.end()};
   }
 
   /// A `@` and what stands behind it.
@@ -193,8 +197,8 @@ class ModuleChecks {
 
 }  // namespace
 
-void checkModules(std::string_view text, const ModelSyntax& model, MessageList& messages) {
-  ModuleChecks(text, model, messages).run();
+std::vector<std::string> checkModules(std::string_view text, const ModelSyntax& model, MessageList& messages) {
+  return ModuleChecks(text, model, messages).run();
 }
 
 }  // namespace espalier::language

@@ -389,7 +389,10 @@ std::uint64_t Interpretation::executeAt(const Sequence& sequence, std::uint64_t 
     }
   }
   // unknown: the symbols behind it are interpreted on their own
-  warnOnce("the turtle has no command '@" + name + "': the symbols after the '@' are interpreted on their own");
+  const std::vector<std::string>& reported = program_.reportedCommands;
+  if (std::find(reported.begin(), reported.end(), name) == reported.end()) {
+    warnOnce("the turtle has no command '@" + name + "': the symbols after the '@' are interpreted on their own");
+  }
   return 1;
 }
 

@@ -58,6 +58,10 @@ TEST(ModuleChecks, ACommandThatTheTurtleDoesNotKnow) {
       messagesOf("A --> F@z(2)A@M(1,2)@Tx(1)@Gs"),
       Messages{"3:8: warning: the turtle has no command '@z': it interprets the symbols after the '@' on their own "
                "| `espalier reference symbols` lists the commands"});
+  EXPECT_EQ(
+      messagesOf("A --> F@Tz A"),
+      Messages{"3:8: warning: the turtle has no command '@Tz': it interprets the symbols after the '@' on their own "
+               "| `espalier reference symbols` lists the commands"});
   // a production makes a command of it
   EXPECT_EQ(messagesOf("A --> @z\nz --> O(2)"), Messages{});
   EXPECT_EQ(messagesOf("A --> @\n@ --> F@"), Messages{});

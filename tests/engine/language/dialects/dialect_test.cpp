@@ -92,7 +92,8 @@ TEST(Dialect, FilesOfOldSystemsAreReadToo) {
 TEST(Dialect, AControlPanelIsNamed) {
   const std::string items = "panel name: buds 200 100\nbackground: 0,0,0\ntype: slider\nname: angle\n";
   const Messages expected{
-      "1:1: error: this is a control panel, not a model | give the .l file whose numbers it edits; the studio shows the "
+      "1:1: error: this is a control panel, not a model | give the .l file whose numbers it edits; the studio shows "
+      "the "
       "panel above its sliders"};
   EXPECT_EQ(foreignMessages(items), expected);
   EXPECT_EQ(foreignMessages("target: buds.l\n" + items), expected);

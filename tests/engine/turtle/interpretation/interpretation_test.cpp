@@ -142,6 +142,15 @@ TEST(Interpretation, AnUnknownSymbolAfterAtIsInterpretedOnItsOwn) {
   EXPECT_EQ(run.messages[2], "the turtle has no command '@Tz': the symbols after the '@' are interpreted on their own");
 }
 
+TEST(Interpretation, ACommandThatTheCompilerHasNamedIsNotNamedAgain) {
+  TurtleRun run("@z@y@Tz@Ty");
+  run.program.reportedCommands = {"z", "Tz"};
+  run.draw();
+  ASSERT_EQ(run.messages.size(), 2U);
+  EXPECT_EQ(run.messages[0], "the turtle has no command '@y': the symbols after the '@' are interpreted on their own");
+  EXPECT_EQ(run.messages[1], "the turtle has no command '@Ty': the symbols after the '@' are interpreted on their own");
+}
+
 TEST(Interpretation, AWarningIsGivenOnce) {
   TurtleRun run("@z@z@z@");
   run.draw();
