@@ -78,7 +78,8 @@ const bool kIsRegistered = [] {
        {Workload{"blocks", "20", ""}, Workload{"accounts", "40", "15"}, Workload{"globals", "60", "14"},
         Workload{"neighbours", "30", "11"}, Workload{"candidates", "60", "14"}, Workload{"decomposition", "60", "12"},
         Workload{"cuts", "30", "12"}, Workload{"pairs", "60", "16"}, Workload{"arrays", "60", "14"},
-        Workload{"counters", "60", "14"}, Workload{"functions", "60", "13"}, Workload{"answers", "60", "13"}}) {
+        Workload{"assigned", "60", "14"}, Workload{"counters", "60", "14"}, Workload{"functions", "60", "13"},
+        Workload{"answers", "60", "13"}}) {
     Defines defines{{"N", workload.steps}};
     if (!workload.size.empty()) {
       defines.emplace_back("K", workload.size);

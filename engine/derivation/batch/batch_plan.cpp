@@ -35,7 +35,7 @@ bool canStandBefore(const Production& production, core::ModuleTypeId neighbour, 
                                            : canBeNext(production.rightContext, neighbour, isPassed);
 }
 
-/// The local variables below `count` that the code reads.
+/// The columns below `count` that the code reads.
 void addReads(const ColumnCode& code, std::size_t count, std::vector<bool>& isRead) {
   const auto add = [&](const ColumnOperand& operand) {
     if (operand.kind == ColumnOperand::Kind::Column && operand.index < count) {
@@ -249,19 +249,19 @@ bool BatchPlan::compile(const language::Program& program, const language::LSyste
   if (!take(columns.block(production.postBlock), rule.behind)) {
     return false;
   }
-  std::vector<bool> isRead(rule.statics.size(), false);
-  addReads(rule.weight, rule.statics.size(), isRead);
-  addReads(rule.behind, rule.statics.size(), isRead);
+  std::vector<bool> isRead(columns.columnCount(), false);
+  addReads(rule.weight, isRead.size(), isRead);
+  addReads(rule.behind, isRead.size(), isRead);
   for (const language::Expression& expression : production.expressions) {
     if (!take(columns.value(expression), rule.values.emplace_back())) {
       return false;
     }
     rule.drawsRandom = rule.drawsRandom || rule.values.back().drawsRandom;
-    addReads(rule.values.back(), rule.statics.size(), isRead);
+    addReads(rule.values.back(), isRead.size(), isRead);
   }
-  for (std::uint32_t local = 0; local < rule.statics.size(); ++local) {
-    if (isRead[local] && assignedBefore[local]) {
-      rule.kept.push_back(local);
+  for (std::uint32_t column = 0; column < isRead.size(); ++column) {
+    if (isRead[column] && assignedBefore[column]) {
+      rule.kept.push_back(column);
     }
   }
   if (isDecomposition_ && (hasContexts(production) || production.predecessor.size() > 1 || rule.drawsRandom)) {

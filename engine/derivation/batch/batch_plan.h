@@ -48,7 +48,7 @@ struct BatchRule {
   ColumnCode weight;  // 1 when there is none
   ColumnCode behind;  // the block behind the condition
   std::vector<ColumnCode> values;
-  std::vector<std::uint32_t> kept;  // local variables that `before` assigns and the weight, `behind` or the values read
+  std::vector<std::uint32_t> kept;  // columns that `before` assigns and the weight, `behind` or the values read
   std::uint32_t block = 0;          // in BatchPlan::blocks
   bool changesParts = false;        // the block is one module of the same size, but of another type
   bool needsLanes = false;          // it has values or a block behind the condition, or changes parts

@@ -67,7 +67,7 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       rightModule_(kChunkModules),
       contexts_(program, rules, kChunkModules),
       siteRow_(kChunkModules),
-      keptLocals_(2 * kChunkModules * plan.largestKeptCount()),
+      keptColumns_(2 * kChunkModules * plan.largestKeptCount()),
       true_(ColumnEvaluator::kLanes),
       modules_(ColumnEvaluator::kLanes),
       words_(kChunkModules + 8),
@@ -371,7 +371,7 @@ std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t coun
   std::uint32_t* const laneSite = laneSite_.data();
   std::uint64_t* const laneLeft = laneLeft_.data();
   std::uint64_t* const laneRight = laneRight_.data();
-  double* const keptLocals = keptLocals_.data();
+  double* const keptColumns = keptColumns_.data();
   const bool hasNeighbours = rule.context != BatchRule::Context::None;
   std::size_t kept = laneCount_;
   for (std::size_t begin = laneCount_; begin < laneCount_ + count; begin += ColumnEvaluator::kLanes) {
@@ -383,7 +383,7 @@ std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t coun
     }
     const ColumnValue truth = rule.condition ? evaluator_.value(*rule.condition) : ColumnValue{nullptr, 1.0};
     const std::size_t trueCount = truth.values == nullptr ? (truth.constant != 0.0 ? size : 0) : findTrue(truth, size);
-    // the local variables, sites and neighbours of the lanes that stay move to the front
+    // the kept columns, sites and neighbours of the lanes that stay move to the front
     const auto keep = [size, trueCount, lanes = true_.data()](auto* target, const auto* source) {
       if (trueCount == size) {
         if (target != source) {
@@ -394,7 +394,7 @@ std::size_t BatchRewriter::keepWhereTrue(const BatchRule& rule, std::size_t coun
       unrolled(trueCount, [=](std::size_t i) { target[i] = source[lanes[i]]; });
     };
     for (std::size_t k = 0; k < rule.kept.size(); ++k) {
-      keep(keptLocals + k * kStride + kept, evaluator_.local(rule.kept[k]));
+      keep(keptColumns + k * kStride + kept, evaluator_.column(rule.kept[k]));
     }
     if (hasNeighbours) {
       keep(laneLeft + kept, laneLeft + begin);
@@ -420,14 +420,14 @@ void BatchRewriter::noteStores(const BatchRule& rule, const ColumnCode& code, st
       // dropOverlapped() knows where an earlier predecessor wins: there the block has not run
       for (std::size_t i = 0; i < last; ++i) {
         if (isStored == nullptr || isStored[i] != 0) {
-          possibleStores_.push_back({site[i], rule.statics[local], evaluator_.local(local)[i]});
+          possibleStores_.push_back({site[i], rule.statics[local], evaluator_.column(local)[i]});
         }
       }
       continue;
     }
     if (last > 0) {
       stores_.note(rule.statics[local], 2 * (first_ + siteModule_[site[last - 1]]) + (isBehind ? 1 : 0),
-                   evaluator_.local(local)[last - 1]);
+                   evaluator_.column(local)[last - 1]);
     }
   }
 }
@@ -450,7 +450,7 @@ void BatchRewriter::accept(const BatchRule& rule, std::size_t count) {
 
 void BatchRewriter::loadKept(const BatchRule& rule, std::size_t begin, std::size_t count) {
   for (std::size_t k = 0; k < rule.kept.size(); ++k) {
-    std::copy_n(keptLocals_.data() + k * 2 * kChunkModules + begin, count, evaluator_.local(rule.kept[k]));
+    std::copy_n(keptColumns_.data() + k * 2 * kChunkModules + begin, count, evaluator_.column(rule.kept[k]));
   }
 }
 
@@ -459,7 +459,7 @@ void BatchRewriter::moveLane(const BatchRule& rule, std::size_t from, std::size_
   laneLeft_[to] = laneLeft_[from];
   laneRight_[to] = laneRight_[from];
   for (std::size_t k = 0; k < rule.kept.size(); ++k) {
-    keptLocals_[k * 2 * kChunkModules + to] = keptLocals_[k * 2 * kChunkModules + from];
+    keptColumns_[k * 2 * kChunkModules + to] = keptColumns_[k * 2 * kChunkModules + from];
   }
 }
 

@@ -186,7 +186,7 @@ class BatchRewriter {
   Scratch<std::uint64_t> siteRow_;   // by site: what the last rule that keeps its places has found, or kNoRow
   std::vector<std::uint64_t> rows_;  // of context searches: where the parameters of each element begin
   std::size_t rowsUsed_ = 0;         // elements of rows_ that lanes of this chunk use
-  Scratch<double> keptLocals_;       // BatchRule::kept of each lane, 2 * kChunkModules for each local variable
+  Scratch<double> keptColumns_;      // BatchRule::kept of each lane, 2 * kChunkModules for each column
   LastStores stores_;
   std::vector<RuleLanes> ruleLanes_;
   Scratch<std::uint32_t> true_;     // lanes whose condition holds, of those that are evaluated

@@ -68,14 +68,14 @@ class ColumnEvaluator {
   ColumnEvaluator(const language::Program& program, std::size_t slotCount, std::size_t columnCount);
 
   void begin(const ColumnInputs& inputs);
-  /// The lanes of the following code. Local variables have no values yet.
+  /// The lanes of the following code. Nothing is assigned yet.
   void setLanes(const Lanes& lanes);
-  /// Runs a block, which assigns local variables.
+  /// Runs a block, which assigns local variables and formal parameters.
   void run(const ColumnCode& code);
   [[nodiscard]] ColumnValue value(const ColumnCode& expression);
 
-  /// The values of a local variable (Lanes::count). They can be set, too.
-  [[nodiscard]] double* local(std::uint32_t index) { return columns_.data() + index * kLanes; }
+  /// The values of a local variable or an assigned formal parameter (Lanes::count). They can be set, too.
+  [[nodiscard]] double* column(std::uint32_t index) { return columns_.data() + index * kLanes; }
   /// Whether each lane has assigned the local variable in the last run, as a mask: 0 or all bits. Null: all lanes have.
   [[nodiscard]] const std::uint64_t* storing(const ColumnCode& code, std::uint32_t local) const;
 
@@ -122,7 +122,7 @@ class ColumnEvaluator {
   std::vector<double> slots_;            // gathered parameters, kLanes for each slot
   std::vector<std::uint64_t> gathered_;  // by slot: the call of setLanes for which it was gathered
   std::uint64_t generation_ = 0;
-  std::vector<double> columns_;  // local variables and intermediate results, kLanes each
+  std::vector<double> columns_;  // what blocks assign, and intermediate results, kLanes each
 
   // of code with jumps
   const Mask* mask_ = nullptr;           // lanes that run the present stretch; null: all

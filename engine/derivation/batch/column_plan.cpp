@@ -55,8 +55,8 @@ std::uint16_t operandCount(const Instruction& instruction) {
 
 }  // namespace
 
-/// One pass over the code. It follows the stack and the assigned local variables. Values that are on the stack where
-/// stretches meet are carried in columns of their own, numbered by their height.
+/// One pass over the code. It follows the stack and the assigned columns. Values that are on the stack where stretches
+/// meet are carried in columns of their own, numbered by their height.
 class ColumnCompiler::Translation {
  public:
   Translation(ColumnCompiler& compiler, CodeRange code, bool mayDraw)
@@ -64,7 +64,7 @@ class ColumnCompiler::Translation {
         program_(*compiler.program_),
         code_(code),
         mayDraw_(mayDraw),
-        localCount_(static_cast<std::uint32_t>(compiler.locals_.size())),
+        namedCount_(static_cast<std::uint32_t>(compiler.columnCount())),
         isStart_(code.end - code.begin + std::size_t{1}, false) {}
 
   [[nodiscard]] bool run();
@@ -84,22 +84,23 @@ class ColumnCompiler::Translation {
   }
   [[nodiscard]] bool hasJumps() const { return entries_.size() > 2; }
   [[nodiscard]] std::uint32_t carrier(std::size_t height) const {
-    return localCount_ + static_cast<std::uint32_t>(height);
+    return namedCount_ + static_cast<std::uint32_t>(height);
   }
   /// One of two columns for each height: an operation does not write to the column of its first operand, because loops
   /// over columns that may overlap use no vector instructions.
   [[nodiscard]] std::uint32_t temporary(std::size_t height, const ColumnOperand& first) const {
     const std::uint32_t column =
-        localCount_ + (hasJumps() ? program_.maximumStack : 0U) + 2 * static_cast<std::uint32_t>(height);
+        namedCount_ + (hasJumps() ? program_.maximumStack : 0U) + 2 * static_cast<std::uint32_t>(height);
     return first.kind == ColumnOperand::Kind::Column && first.index == column ? column + 1 : column;
   }
   void findStarts();
+  void copyFormals();
   void openStretch();
   bool closeStretch(const Instruction* jump);
   bool enter(std::size_t stretch);
   bool translate(std::uint32_t at);
   bool load(const Instruction& instruction);
-  bool store(const Instruction& instruction);
+  bool store(std::uint32_t column);
   bool operate(const Instruction& instruction, std::uint32_t at);
   void emit(const ColumnInstruction& instruction);
   void emitMove(const ColumnOperand& from, std::uint32_t target);
@@ -108,10 +109,11 @@ class ColumnCompiler::Translation {
   const language::Program& program_;
   CodeRange code_;
   bool mayDraw_;
-  std::uint32_t localCount_;
+  std::uint32_t namedCount_;              // columns of local variables and formal parameters
   std::vector<bool> isStart_;             // by place in the code: a stretch begins here
   std::vector<std::uint32_t> stretchAt_;  // the same: the stretch that begins here, or the next
   std::vector<Entry> entries_;            // by stretch, and of the end
+  std::vector<std::uint32_t> copied_;     // columns that begin with the value of their formal parameter
   bool isClosed_ = true;                  // no stretch is open
   bool isReachable_ = true;               // the open stretch
   std::vector<ColumnOperand> stack_;
@@ -122,11 +124,26 @@ class ColumnCompiler::Translation {
 void ColumnCompiler::Translation::findStarts() {
   isStart_.front() = true;
   isStart_.back() = true;
+  bool jumps = false;
   for (std::uint32_t at = code_.begin; at < code_.end; ++at) {
-    if (isJump(program_.code[at].operation)) {
+    const Instruction& instruction = program_.code[at];
+    if (isJump(instruction.operation)) {
+      jumps = true;
       isStart_[at + 1 - code_.begin] = true;
-      isStart_[program_.code[at].operand - code_.begin] = true;
+      isStart_[instruction.operand - code_.begin] = true;
+    } else if (instruction.operation == Operation::StoreSlot) {
+      const std::uint32_t column = compiler_.columnOfFormal(instruction.operand);
+      if (!compiler_.assigned_[column] && std::find(copied_.begin(), copied_.end(), column) == copied_.end()) {
+        copied_.push_back(column);
+      }
     }
+  }
+  // without jumps it is known at every place whether the parameter has been assigned
+  if (!jumps) {
+    copied_.clear();
+  }
+  if (!copied_.empty()) {
+    entries_.emplace_back();
   }
   for (const bool isStart : isStart_) {
     stretchAt_.push_back(static_cast<std::uint32_t>(entries_.size()));
@@ -142,6 +159,9 @@ bool ColumnCompiler::Translation::run() {
     return fail("its code has too many jumps");
   }
   entries_.front() = {true, 0, compiler_.assigned_};
+  if (!copied_.empty()) {
+    copyFormals();
+  }
   for (std::uint32_t at = code_.begin; at < code_.end; ++at) {
     if (isStart_[at - code_.begin]) {
       if (!isClosed_ && !closeStretch(nullptr)) {
@@ -165,11 +185,25 @@ bool ColumnCompiler::Translation::run() {
   if (end.height > 0) {
     made_.result = hasJumps() ? ColumnOperand{ColumnOperand::Kind::Column, carrier(0), 0.0} : stack_.front();
   }
-  made_.columnCount = std::max(made_.columnCount, localCount_);
+  made_.columnCount = std::max(made_.columnCount, namedCount_);
   if (!hasJumps()) {
     made_.stretches.clear();
   }
   return true;
+}
+
+/// The first stretch: lanes that jump over an assignment to a formal parameter find its value in the same column.
+void ColumnCompiler::Translation::copyFormals() {
+  Entry next = entries_.front();
+  for (const std::uint32_t column : copied_) {
+    const std::uint32_t formal = compiler_.formals_[column - compiler_.locals_.size()];
+    emitMove({ColumnOperand::Kind::Slot, formal, 0.0}, column);
+    next.assigned[column] = true;
+  }
+  ColumnStretch copies;
+  copies.end = static_cast<std::uint32_t>(made_.instructions.size());
+  made_.stretches.push_back(copies);
+  entries_[1] = std::move(next);
 }
 
 void ColumnCompiler::Translation::openStretch() {
@@ -240,9 +274,9 @@ bool ColumnCompiler::Translation::translate(std::uint32_t at) {
     case Operation::LoadLength:
       return load(instruction);
     case Operation::StoreStatic:
-      return store(instruction);
+      return store(compiler_.columnOfLocal(instruction.operand));
     case Operation::StoreSlot:
-      return fail("a block assigns a formal parameter");
+      return store(compiler_.columnOfFormal(instruction.operand));
     case Operation::StoreVariable:
     case Operation::StoreElement:
       return fail("a block assigns a variable of the L-system");
@@ -274,7 +308,7 @@ bool ColumnCompiler::Translation::load(const Instruction& instruction) {
       stack_.push_back({ColumnOperand::Kind::Constant, 0, program_.constants[index]});
       return true;
     case Operation::LoadSlot:
-      stack_.push_back({ColumnOperand::Kind::Slot, index, 0.0});
+      stack_.push_back(compiler_.formal(index, assigned_));
       return true;
     case Operation::LoadVariable:
       stack_.push_back({ColumnOperand::Kind::Variable, index, 0.0});
@@ -288,34 +322,32 @@ bool ColumnCompiler::Translation::load(const Instruction& instruction) {
     default:
       break;
   }
-  const auto found = std::find(compiler_.locals_.begin(), compiler_.locals_.end(), index);
-  const auto local = static_cast<std::uint32_t>(found - compiler_.locals_.begin());
-  if (found == compiler_.locals_.end() || !assigned_[local]) {
+  const std::uint32_t local = compiler_.columnOfLocal(index);
+  if (local == namedCount_ || !assigned_[local]) {
     return fail("it reads a local variable that the module before may have left");
   }
   stack_.push_back({ColumnOperand::Kind::Column, local, 0.0});
   return true;
 }
 
-bool ColumnCompiler::Translation::store(const Instruction& instruction) {
-  const auto found = std::find(compiler_.locals_.begin(), compiler_.locals_.end(), instruction.operand);
-  if (found == compiler_.locals_.end() || stack_.size() != 1) {
+bool ColumnCompiler::Translation::store(std::uint32_t column) {
+  if (column == namedCount_ || stack_.size() != 1) {
     return fail("its code is not understood");
   }
-  const auto local = static_cast<std::uint32_t>(found - compiler_.locals_.begin());
   const ColumnOperand value = stack_.back();
   stack_.pop_back();
-  assigned_[local] = true;
-  if (std::find(made_.stores.begin(), made_.stores.end(), local) == made_.stores.end()) {
-    made_.stores.push_back(local);
+  assigned_[column] = true;
+  const bool isLocal = column < compiler_.locals_.size();
+  if (isLocal && std::find(made_.stores.begin(), made_.stores.end(), column) == made_.stores.end()) {
+    made_.stores.push_back(column);
   }
   // the last operation writes to the variable itself
-  if (!hasJumps() && value.kind == ColumnOperand::Kind::Column && value.index >= localCount_) {
-    made_.instructions.back().target = local;
+  if (!hasJumps() && value.kind == ColumnOperand::Kind::Column && value.index >= namedCount_) {
+    made_.instructions.back().target = column;
     return true;
   }
-  emitMove(value, local);
-  made_.instructions.back().isStore = hasJumps();
+  emitMove(value, column);
+  made_.instructions.back().isStore = isLocal && hasJumps();
   return true;
 }
 
@@ -353,16 +385,38 @@ void ColumnCompiler::Translation::emit(const ColumnInstruction& instruction) {
 
 ColumnCompiler::ColumnCompiler(const language::Program& program, const language::Production& production)
     : program_(&program) {
+  const auto add = [](std::vector<std::uint32_t>& names, std::uint32_t name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      names.push_back(name);
+    }
+  };
   for (const CodeRange code : {production.preBlock, production.postBlock}) {
     for (std::uint32_t at = code.begin; at < code.end; ++at) {
       const Instruction& instruction = program.code[at];
-      if (instruction.operation == Operation::StoreStatic &&
-          std::find(locals_.begin(), locals_.end(), instruction.operand) == locals_.end()) {
-        locals_.push_back(instruction.operand);
+      if (instruction.operation == Operation::StoreStatic) {
+        add(locals_, instruction.operand);
+      } else if (instruction.operation == Operation::StoreSlot) {
+        add(formals_, instruction.operand);
       }
     }
   }
-  assigned_.resize(locals_.size(), false);
+  assigned_.resize(columnCount(), false);
+}
+
+std::uint32_t ColumnCompiler::columnOfLocal(std::uint32_t variable) const {
+  const auto found = std::find(locals_.begin(), locals_.end(), variable);
+  return static_cast<std::uint32_t>(found == locals_.end() ? columnCount() : found - locals_.begin());
+}
+
+std::uint32_t ColumnCompiler::columnOfFormal(std::uint32_t slot) const {
+  const auto found = std::find(formals_.begin(), formals_.end(), slot);
+  return static_cast<std::uint32_t>(locals_.size() + (found - formals_.begin()));
+}
+
+ColumnOperand ColumnCompiler::formal(std::uint32_t slot, const std::vector<bool>& assigned) const {
+  const std::uint32_t column = columnOfFormal(slot);
+  return column < columnCount() && assigned[column] ? ColumnOperand{ColumnOperand::Kind::Column, column, 0.0}
+                                                    : ColumnOperand{ColumnOperand::Kind::Slot, slot, 0.0};
 }
 
 std::optional<ColumnCode> ColumnCompiler::translate(CodeRange code, bool mayDraw) {
@@ -384,7 +438,7 @@ std::optional<ColumnCode> ColumnCompiler::expression(const Expression& expressio
       made.result.constant = expression.constant;
       return made;
     case Expression::Kind::Slot:
-      made.result = {ColumnOperand::Kind::Slot, expression.slot, 0.0};
+      made.result = formal(expression.slot, assigned_);
       return made;
     case Expression::Kind::Code:
       break;

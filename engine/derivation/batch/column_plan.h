@@ -13,8 +13,8 @@ namespace espalier::derivation {
 struct ColumnOperand {
   enum class Kind : std::uint8_t {
     Constant,
-    Slot,      // formal parameter `index` of each lane
-    Column,    // local variable or intermediate result `index`
+    Slot,      // formal parameter `index` of each lane, as the module or its neighbour has it
+    Column,    // local variable, formal parameter that a block has assigned, or intermediate result `index`
     Variable,  // variable `index` of the L-system: the same for all lanes, because no batch assigns it
     Step,      // Q
     Length,    // Z
@@ -46,12 +46,13 @@ struct ColumnStretch {
 };
 
 /// The code of an expression or a block in the form that a batch runs. Numbered columns take the place of the stack and
-/// of local variables. Columns below the number of local variables hold these.
+/// of what blocks assign. The first columns hold the local variables, the next the formal parameters that a block
+/// assigns (ColumnCompiler::columnCount).
 struct ColumnCode {
   std::vector<ColumnInstruction> instructions;
   std::vector<ColumnStretch> stretches;  // empty: the code has no jump
   ColumnOperand result;                  // of an expression
-  std::uint32_t columnCount = 0;         // columns that the code uses, with all local variables
+  std::uint32_t columnCount = 0;         // columns that the code uses, with all that hold what blocks assign
   bool drawsRandom = false;              // it calls ran, nran or bran
   std::vector<std::uint32_t> stores;     // local variables that a run may assign, each once
 };
@@ -66,11 +67,15 @@ class ColumnCompiler {
 
   /// The static of each local variable.
   [[nodiscard]] const std::vector<std::uint32_t>& locals() const { return locals_; }
-  /// The local variables that the pieces so far have assigned for certain.
+  /// The columns that hold what blocks assign: the local variables, then formal parameters. Those that no block has
+  /// assigned yet are read where the module has them.
+  [[nodiscard]] std::size_t columnCount() const { return locals_.size() + formals_.size(); }
+  /// By column: whether the pieces so far have assigned it for certain.
   [[nodiscard]] const std::vector<bool>& assigned() const { return assigned_; }
 
   /// The form for a batch; nothing when a batch cannot run the code, for the reason in problem(). Code may read formal
-  /// parameters, constants, Q, Z, variables, arrays and functions of the view file. It may assign local variables.
+  /// parameters, constants, Q, Z, variables, arrays and functions of the view file. It may assign local variables and
+  /// formal parameters.
   [[nodiscard]] std::optional<ColumnCode> block(language::CodeRange code);
   [[nodiscard]] std::optional<ColumnCode> expression(const language::Expression& expression);
   /// The same for a parameter of the successor. It may also call ran, nran and bran. Espalier's own mode names a draw
@@ -84,10 +89,15 @@ class ColumnCompiler {
   class Translation;
 
   [[nodiscard]] std::optional<ColumnCode> translate(language::CodeRange code, bool mayDraw);
+  /// columnCount() where there is none.
+  [[nodiscard]] std::uint32_t columnOfLocal(std::uint32_t variable) const;
+  [[nodiscard]] std::uint32_t columnOfFormal(std::uint32_t slot) const;
+  [[nodiscard]] ColumnOperand formal(std::uint32_t slot, const std::vector<bool>& assigned) const;
 
   const language::Program* program_;
   std::vector<std::uint32_t> locals_;
-  std::vector<bool> assigned_;  // by local variable
+  std::vector<std::uint32_t> formals_;  // numbers of formal parameters that a block assigns
+  std::vector<bool> assigned_;          // by column
   const char* problem_ = "";
 };
 

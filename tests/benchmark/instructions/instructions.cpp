@@ -48,6 +48,7 @@ const FixedWork kWork[] = {
     {Measured::Derivation, {"candidates", "20", "9"}},
     {Measured::Derivation, {"cuts", "14", "8"}},
     {Measured::Derivation, {"arrays", "20", "9"}},
+    {Measured::Derivation, {"assigned", "20", "9"}},
     {Measured::Derivation, {"counters", "20", "9"}},
     {Measured::Derivation, {"functions", "20", "9"}},
     {Measured::Derivation, {"answers", "20", "9"}},

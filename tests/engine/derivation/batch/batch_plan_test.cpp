@@ -44,6 +44,8 @@ TEST(BatchPlan, PureProductionsOfOneModuleMakeGroups) {
 
 TEST(BatchPlan, BlocksDecompositionAndLongPredecessorsMakeGroups) {
   EXPECT_EQ(Planned("", "B(x) : {n=x;} * --> A\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("", "B(x) : {x=x+1;} x<3 {x=x*2;} --> B(x)\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("", "B(x) : {if (x>2) {x=1;}} * --> B(x)\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("Start: {n=0;}\n", "B(x) : x<n --> A\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nB(x) --> A\n").classOf("A", 0), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nB(x) : {n=x;} 1 --> A\n").classOf("A", 0), BatchPlan::Class::Group);

@@ -199,9 +199,10 @@ class ModelMaker {
       text += sharedAssignment(names);
     }
     // formal parameters, or local variables
-    if (!names.empty() && chance(5)) {
+    if (!names.empty() && chance(25)) {
       const std::string x = oneOf(names);
-      text += " " + x + "=" + x + "*0.5+1;";
+      text += chance(50) ? " " + x + "=" + x + "*0.5+1;"
+                         : " if (" + condition(names) + ") {" + x + "=" + expression(names) + ";}";
     }
     names += local;
     return text + "}";
