@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <span>
+#include <utility>
 
 #include "engine/core/check.h"
 #include "engine/derivation/batch/batch_rewriter.h"
@@ -79,6 +81,7 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
   weights_.resize(plan_->largestRuleCount() * kLanes);
   isMatched_.resize(plan_->largestRuleCount() * kLanes);
   chosenRule_.resize(kLanes);
+  drawsBefore_.resize(plan_->largestRuleCount() * kLanes);
   candidateWeights_.resize(plan_->largestRuleCount());
   candidates_.resize(plan_->largestRuleCount());
   if (sites.size() * 8 > end_ - first_) {
@@ -92,6 +95,9 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
     // the rules that match at each site, and their weights
     std::fill_n(isMatched_.begin(), group.ruleCount * kLanes, std::uint8_t{0});
     for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
+      for (std::size_t i = 0; rules[k].drawsAgain && i < part.size(); ++i) {
+        drawsBefore_[k * kLanes + i] = siteDraws_[part[i]];
+      }
       std::size_t count = match(rules[k], part);
       count = keepWhereTrue(rules[k], count);
       if (count == 0) {
@@ -133,8 +139,24 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
       }
       if (count > 0) {
         const std::size_t matched = match(rules[k], {remaining_.data(), count});
-        // all of them hold
-        accept(rules[k], rules[k].hasBefore ? keepWhereTrue(rules[k], matched) : matched);
+        if (!rules[k].hasBefore) {
+          accept(rules[k], matched);
+          continue;
+        }
+        // block and condition run again, with the same draws, and the condition holds for all
+        const auto swapDraws = [&, sites = std::span(remaining_.data(), count)] {
+          for (const std::uint32_t site : sites) {
+            std::swap(siteDraws_[site], drawsBefore_[k * kLanes + positions_[site]]);
+          }
+        };
+        if (rules[k].drawsAgain) {
+          swapDraws();
+        }
+        const std::size_t kept = keepWhereTrue(rules[k], matched);
+        if (rules[k].drawsAgain) {
+          swapDraws();
+        }
+        accept(rules[k], kept);
       }
     }
   }

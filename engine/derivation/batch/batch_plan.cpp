@@ -235,28 +235,29 @@ bool BatchPlan::compile(const language::Program& program, const language::LSyste
     target = code ? std::move(*code) : ColumnCode{};
     return code.has_value();
   };
-  if (!take(columns.block(production.preBlock), rule.before)) {
+  const bool mayDraw = !isDecomposition_ && program.compatibility == core::Compatibility::Espalier;
+  if (!take(columns.block(production.preBlock, mayDraw), rule.before)) {
     return false;
   }
   const std::vector<bool> assignedBefore = columns.assigned();
-  if (production.condition && !take(columns.expression(*production.condition), rule.condition.emplace())) {
+  if (production.condition && !take(columns.expression(*production.condition, mayDraw), rule.condition.emplace())) {
     return false;
   }
   rule.weight.result.constant = 1.0;
-  if (isWeighted_ && production.probability && !take(columns.expression(*production.probability), rule.weight)) {
+  if (isWeighted_ && production.probability &&
+      !take(columns.expression(*production.probability, mayDraw), rule.weight)) {
     return false;
   }
-  if (!take(columns.block(production.postBlock), rule.behind)) {
+  if (!take(columns.block(production.postBlock, mayDraw), rule.behind)) {
     return false;
   }
   std::vector<bool> isRead(columns.columnCount(), false);
   addReads(rule.weight, isRead.size(), isRead);
   addReads(rule.behind, isRead.size(), isRead);
   for (const language::Expression& expression : production.expressions) {
-    if (!take(columns.value(expression), rule.values.emplace_back())) {
+    if (!take(columns.expression(expression, mayDraw), rule.values.emplace_back())) {
       return false;
     }
-    rule.drawsRandom = rule.drawsRandom || rule.values.back().drawsRandom;
     addReads(rule.values.back(), isRead.size(), isRead);
   }
   for (std::uint32_t column = 0; column < isRead.size(); ++column) {
@@ -264,12 +265,17 @@ bool BatchPlan::compile(const language::Program& program, const language::LSyste
       rule.kept.push_back(column);
     }
   }
-  if (isDecomposition_ && (hasContexts(production) || production.predecessor.size() > 1 || rule.drawsRandom)) {
-    problem_ = "a decomposition has contexts, draws or a predecessor of several modules";
+  rule.drawsRandom =
+      rule.before.drawsRandom || (rule.condition && rule.condition->drawsRandom) || rule.weight.drawsRandom ||
+      rule.behind.drawsRandom ||
+      std::any_of(rule.values.begin(), rule.values.end(), [](const ColumnCode& value) { return value.drawsRandom; });
+  if (isDecomposition_ && (hasContexts(production) || production.predecessor.size() > 1)) {
+    problem_ = "a decomposition has contexts or a predecessor of several modules";
     return false;
   }
   rule.hasBefore = !production.preBlock.empty();
   rule.hasBehind = !production.postBlock.empty();
+  rule.drawsAgain = rule.hasBefore && (rule.before.drawsRandom || (rule.condition && rule.condition->drawsRandom));
   return true;
 }
 
@@ -361,6 +367,7 @@ void BatchPlan::addRule(const language::Program& program, BatchRule rule) {
   largestSlotCount_ = std::max<std::size_t>(largestSlotCount_, production.slotCount);
   largestKeptCount_ = std::max(largestKeptCount_, rule.kept.size());
   hasBlocks_ = hasBlocks_ || rule.hasBefore || rule.hasBehind;
+  drawsRandom_ = drawsRandom_ || rule.drawsRandom;
   const auto addColumns = [this](const ColumnCode& code) {
     largestColumnCount_ = std::max<std::size_t>(largestColumnCount_, code.columnCount);
   };

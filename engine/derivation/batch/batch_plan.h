@@ -52,7 +52,8 @@ struct BatchRule {
   std::uint32_t block = 0;          // in BatchPlan::blocks
   bool changesParts = false;        // the block is one module of the same size, but of another type
   bool needsLanes = false;          // it has values or a block behind the condition, or changes parts
-  bool drawsRandom = false;         // a value draws
+  bool drawsRandom = false;         // any of this code draws
+  bool drawsAgain = false;          // `before` or the condition draws, and `before` does something
   bool hasBefore = false;           // `before` does something
   bool hasBehind = false;           // `behind` does something
   bool keepsPlaces = false;         // Searched: a later rule of the group has the same contexts
@@ -133,6 +134,8 @@ class BatchPlan {
   [[nodiscard]] bool hasCuts() const { return hasCuts_; }
   /// Whether a rule has blocks.
   [[nodiscard]] bool hasBlocks() const { return hasBlocks_; }
+  /// Whether a rule draws.
+  [[nodiscard]] bool drawsRandom() const { return drawsRandom_; }
   /// Why the type is General, as the end of a sentence; empty for others.
   [[nodiscard]] const char* problemOf(core::ModuleTypeId type) const { return problems_[type]; }
 
@@ -208,6 +211,7 @@ class BatchPlan {
   bool decomposes_ = false;
   bool hasLongPredecessors_ = false;
   bool hasBlocks_ = false;
+  bool drawsRandom_ = false;
   bool hasCuts_ = false;
   std::vector<const char*> problems_;  // by module type
   const char* problem_ = "";           // of the last production that compile refused

@@ -48,6 +48,7 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       siteOffset_(kChunkModules + ModuleFinder::kSlack),
       siteBits_(kChunkModules + ModuleFinder::kSlack),
       siteBlock_(kChunkModules),
+      siteDraws_(kChunkModules),
       madeModule_(kChunkModules),
       madeOffset_(kChunkModules),
       resizing_(kChunkModules + 1),
@@ -119,6 +120,9 @@ BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t 
   }
 
   collectSites();
+  if (plan_->drawsRandom()) {
+    std::fill_n(siteDraws_.begin(), siteCount_, 0U);
+  }
   if (plan_->hasOneKindOnly()) {
     std::fill_n(siteBlock_.begin(), siteCount_, 0U);
     if (siteCount_ > 0) {
@@ -345,7 +349,7 @@ void BatchRewriter::setLanes(const BatchRule& rule, std::size_t begin, std::size
   }
   evaluator_.setLanes({count, rule.slots.data(), step_.old.parameters + offset_, step_.old.parameters, rows_.data(),
                        site, siteOffset_.data(), laneLeft_.data() + begin, laneRight_.data() + begin,
-                       rule.drawsRandom ? modules_.data() : nullptr});
+                       rule.drawsRandom ? modules_.data() : nullptr, siteDraws_.data()});
 }
 
 std::size_t BatchRewriter::findTrue(const ColumnValue& truth, std::size_t count) {

@@ -58,7 +58,6 @@ ColumnEvaluator::ColumnEvaluator(const language::Program& program, std::size_t s
       columns_((columnCount + 1) * kLanes),
       active_(kLanes),
       taken_(kLanes),
-      drawCounts_(kLanes),
       powers_(std::size_t{1} << kPowerBits, Power{0, 0, elementary_.pow(0.0, 0.0)}) {}
 
 void ColumnEvaluator::begin(const ColumnInputs& inputs) {
@@ -69,7 +68,6 @@ void ColumnEvaluator::begin(const ColumnInputs& inputs) {
 void ColumnEvaluator::setLanes(const Lanes& lanes) {
   lanes_ = lanes;
   ++generation_;
-  std::fill_n(drawCounts_.begin(), lanes.modules == nullptr ? 0 : lanes.count, 0U);
 }
 
 const double* ColumnEvaluator::slot(std::uint32_t index) {
@@ -428,7 +426,7 @@ double ColumnEvaluator::draw(Function function, std::span<const double> argument
   // each module counts its draws, so jumps and rejected draws of other lanes change nothing
   const auto uniform = [&] {
     return inputs_.draws.uniform(core::DrawDomain::Production, static_cast<std::uint32_t>(inputs_.step),
-                                 lanes_.modules[lane], drawCounts_[lane]++);
+                                 lanes_.modules[lane], lanes_.draws[lanes_.sites[lane]]++);
   };
   switch (function) {
     case Function::Nran: {

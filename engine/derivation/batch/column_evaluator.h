@@ -38,6 +38,7 @@ struct Lanes {
   const std::uint64_t* left = nullptr;         // (count) offset of the left neighbour's parameters, or of the row
   const std::uint64_t* right = nullptr;        // (count)
   const std::uint64_t* modules = nullptr;      // (count) positions in the string; null: nothing draws
+  std::uint32_t* draws = nullptr;              // by number of the module: draws that it has made; counts on
 };
 
 /// One value for each lane, or the same for all.
@@ -132,8 +133,6 @@ class ColumnEvaluator {
   std::vector<Mask> taken_;              // (kLanes) lanes that jump
   std::vector<Mask> stored_;             // by local variable: lanes that have assigned it, kLanes each
   std::uint32_t turns_ = 0;              // of loops
-
-  std::vector<std::uint32_t> drawCounts_;  // by lane: draws since setLanes (kLanes)
 
   std::vector<Power> powers_;  // computed last, by a hash of base and exponent (1 << kPowerBits)
 };

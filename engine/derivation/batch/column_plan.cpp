@@ -405,12 +405,13 @@ ColumnCompiler::ColumnCompiler(const language::Program& program, const language:
 
 std::uint32_t ColumnCompiler::columnOfLocal(std::uint32_t variable) const {
   const auto found = std::find(locals_.begin(), locals_.end(), variable);
-  return static_cast<std::uint32_t>(found == locals_.end() ? columnCount() : found - locals_.begin());
+  const auto place = static_cast<std::size_t>(found - locals_.begin());
+  return static_cast<std::uint32_t>(place == locals_.size() ? columnCount() : place);
 }
 
 std::uint32_t ColumnCompiler::columnOfFormal(std::uint32_t slot) const {
   const auto found = std::find(formals_.begin(), formals_.end(), slot);
-  return static_cast<std::uint32_t>(locals_.size() + (found - formals_.begin()));
+  return static_cast<std::uint32_t>(locals_.size() + static_cast<std::size_t>(found - formals_.begin()));
 }
 
 ColumnOperand ColumnCompiler::formal(std::uint32_t slot, const std::vector<bool>& assigned) const {
@@ -427,11 +428,11 @@ std::optional<ColumnCode> ColumnCompiler::translate(CodeRange code, bool mayDraw
   return translation.take();
 }
 
-std::optional<ColumnCode> ColumnCompiler::block(CodeRange code) {
-  return code.empty() ? ColumnCode{} : translate(code, false);
+std::optional<ColumnCode> ColumnCompiler::block(CodeRange code, bool mayDraw) {
+  return code.empty() ? ColumnCode{} : translate(code, mayDraw);
 }
 
-std::optional<ColumnCode> ColumnCompiler::expression(const Expression& expression) {
+std::optional<ColumnCode> ColumnCompiler::expression(const Expression& expression, bool mayDraw) {
   ColumnCode made;
   switch (expression.kind) {
     case Expression::Kind::Constant:
@@ -443,13 +444,7 @@ std::optional<ColumnCode> ColumnCompiler::expression(const Expression& expressio
     case Expression::Kind::Code:
       break;
   }
-  return translate(expression.code, false);
-}
-
-std::optional<ColumnCode> ColumnCompiler::value(const Expression& expression) {
-  return expression.kind == Expression::Kind::Code
-             ? translate(expression.code, program_->compatibility == core::Compatibility::Espalier)
-             : this->expression(expression);
+  return translate(expression.code, mayDraw);
 }
 
 }  // namespace espalier::derivation

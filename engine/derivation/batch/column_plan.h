@@ -75,12 +75,10 @@ class ColumnCompiler {
 
   /// The form for a batch; nothing when a batch cannot run the code, for the reason in problem(). Code may read formal
   /// parameters, constants, Q, Z, variables, arrays and functions of the view file. It may assign local variables and
-  /// formal parameters.
-  [[nodiscard]] std::optional<ColumnCode> block(language::CodeRange code);
-  [[nodiscard]] std::optional<ColumnCode> expression(const language::Expression& expression);
-  /// The same for a parameter of the successor. It may also call ran, nran and bran. Espalier's own mode names a draw
-  /// by its module and its number, so the order of rewriting does not matter.
-  [[nodiscard]] std::optional<ColumnCode> value(const language::Expression& expression);
+  /// formal parameters. With `mayDraw` it may call ran, nran and bran: Espalier's own mode names a draw by its module
+  /// and its number in the module, so the order of rewriting does not matter.
+  [[nodiscard]] std::optional<ColumnCode> block(language::CodeRange code, bool mayDraw);
+  [[nodiscard]] std::optional<ColumnCode> expression(const language::Expression& expression, bool mayDraw);
 
   /// The reason of the last failure, as the end of a sentence.
   [[nodiscard]] const char* problem() const { return problem_; }

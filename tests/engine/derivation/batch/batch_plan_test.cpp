@@ -39,7 +39,11 @@ TEST(BatchPlan, PureProductionsOfOneModuleMakeGroups) {
   EXPECT_EQ(Planned("", "B(x) --> B(x != 0 && 1/x > 2 ? x : 3)\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("", "B(x) --> B(ran(x))C(1-ran(2))\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("", "B(x) --> B(x>1 ? nran(x,1) : 0)C(bran(1,x))\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("", "B(x) : ran(x)>1 --> B(2)\n").classOf("B", 1), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("", "B(x) : {n=ran(1);} n>0.5 {m=nran(n,1);} --> B(m)\n").classOf("B", 1), BatchPlan::Class::Group);
   EXPECT_EQ(Planned("Seed: 1\n", "A --> x : 1\nA --> y : 2\n").classOf("A", 0), BatchPlan::Class::Group);
+  EXPECT_EQ(Planned("Seed: 1\n", "A : {n=ran(1);} n>0.5 --> B(n) : ran(2)\nA --> y : 2\n").classOf("A", 0),
+            BatchPlan::Class::Group);
 }
 
 TEST(BatchPlan, BlocksDecompositionAndLongPredecessorsMakeGroups) {
@@ -67,7 +71,6 @@ TEST(BatchPlan, ModulesThatStayAndFixedBlocksAreNoGroups) {
 TEST(BatchPlan, WhatHasSideEffectsOrReachesFurtherIsGeneral) {
   EXPECT_EQ(Planned("", "B(x) : {n=n+x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("Start: {n=0;}\n", "B(x) : {n=n+x;} * --> A\n").classOf("B", 1), BatchPlan::Class::General);
-  EXPECT_EQ(Planned("", "B(x) : ran(x)>1 --> B(2)\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "B(x) --> B(biran(x,0.5))\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "A << B(x) --> A\n").classOf("B", 1), BatchPlan::Class::General);
   EXPECT_EQ(Planned("", "A --> B(1)\ndecomposition\nA < B(x) --> A\n").classOf("A", 0), BatchPlan::Class::General);
