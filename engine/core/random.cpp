@@ -12,8 +12,6 @@ std::uint64_t mix(std::uint64_t z) {
   return z ^ (z >> 31U);
 }
 
-constexpr std::uint32_t kDomainShift = 28;
-
 }  // namespace
 
 CounterRandom::CounterRandom(std::uint64_t seed, std::uint32_t plant) {
@@ -25,7 +23,7 @@ std::array<std::uint32_t, 4> CounterRandom::block(DrawDomain domain, std::uint32
                                                   std::uint32_t blockIndex) const {
   const r123::Philox4x32::ctr_type counter = {{static_cast<std::uint32_t>(index),
                                                static_cast<std::uint32_t>(index >> 32U), step,
-                                               (static_cast<std::uint32_t>(domain) << kDomainShift) ^ blockIndex}};
+                                               lastWord(domain, blockIndex)}};
   const r123::Philox4x32::key_type key = {{key_[0], key_[1]}};
   const r123::Philox4x32::ctr_type words = r123::Philox4x32()(counter, key);
   return {words[0], words[1], words[2], words[3]};
@@ -33,10 +31,7 @@ std::array<std::uint32_t, 4> CounterRandom::block(DrawDomain domain, std::uint32
 
 double CounterRandom::uniform(DrawDomain domain, std::uint32_t step, std::uint64_t index, std::uint32_t draw) const {
   // a block of four words serves two draws
-  const std::array<std::uint32_t, 4> words = block(domain, step, index, draw / 2);
-  const std::size_t first = (draw % 2) * 2;
-  const std::uint64_t bits = (std::uint64_t{words[first]} << 32U) | words[first + 1];
-  return static_cast<double>(bits >> 11U) * 0x1.0p-53;
+  return pairOf(block(domain, step, index, draw / 2))[draw % 2];
 }
 
 double CounterRandom::selection(std::uint32_t step, std::uint64_t index) const {

@@ -1,6 +1,8 @@
 // Many blocks of Philox4x32-10 at once. Four (AVX2) or two (SSE2) blocks share a register: each 64-bit lane holds a
 // word of one block in its low half. The multiplication takes that half and gives both words of a product. Compilers do
 // not find this: their code for the plain loop was slower than one block at a time.
+#include <algorithm>
+
 #include "engine/core/random.h"
 
 #if defined(__x86_64__)
@@ -23,50 +25,77 @@ std::int64_t lane(std::uint64_t value) {
   return static_cast<std::int64_t>(value);
 }
 
-/// Eight blocks from `first` on, as 32 words.
-[[gnu::target("avx2")]] void makeEightBlocks(std::array<std::uint32_t, 2> key, std::uint32_t step, std::uint64_t first,
-                                             std::uint32_t* words) {
+/// The words of four counters, or of the blocks that are made of them.
+struct FourBlocks {
+  __m256i word0;
+  __m256i word1;
+  __m256i word2;
+  __m256i word3;
+};
+
+/// Makes the blocks of eight counters in their place. Two registers for each word: neither waits for the other.
+[[gnu::target("avx2")]] inline void makeBlocks(std::array<std::uint32_t, 2> key, FourBlocks& a, FourBlocks& b) {
   const __m256i multiplier0 = _mm256_set1_epi64x(kMultiplier0);
   const __m256i multiplier1 = _mm256_set1_epi64x(kMultiplier1);
-  __m256i a0 = _mm256_add_epi64(_mm256_set1_epi64x(lane(first)), _mm256_setr_epi64x(0, 1, 2, 3));
-  __m256i b0 = _mm256_add_epi64(a0, _mm256_set1_epi64x(4));
-  __m256i a1 = _mm256_srli_epi64(a0, 32);
-  __m256i b1 = _mm256_srli_epi64(b0, 32);
-  __m256i a2 = _mm256_set1_epi64x(step);
-  __m256i b2 = a2;
-  __m256i a3 = _mm256_setzero_si256();  // DrawDomain::Selection, block 0
-  __m256i b3 = a3;
   for (int round = 0; round < kRounds; ++round) {
     const __m256i key0 = _mm256_set1_epi64x(key[0]);
     const __m256i key1 = _mm256_set1_epi64x(key[1]);
-    const __m256i productA0 = _mm256_mul_epu32(a0, multiplier0);
-    const __m256i productA1 = _mm256_mul_epu32(a2, multiplier1);
-    const __m256i productB0 = _mm256_mul_epu32(b0, multiplier0);
-    const __m256i productB1 = _mm256_mul_epu32(b2, multiplier1);
-    a0 = _mm256_xor_si256(_mm256_srli_epi64(productA1, 32), _mm256_xor_si256(a1, key0));
-    a2 = _mm256_xor_si256(_mm256_srli_epi64(productA0, 32), _mm256_xor_si256(a3, key1));
-    b0 = _mm256_xor_si256(_mm256_srli_epi64(productB1, 32), _mm256_xor_si256(b1, key0));
-    b2 = _mm256_xor_si256(_mm256_srli_epi64(productB0, 32), _mm256_xor_si256(b3, key1));
-    a1 = productA1;
-    a3 = productA0;
-    b1 = productB1;
-    b3 = productB0;
+    const __m256i productA0 = _mm256_mul_epu32(a.word0, multiplier0);
+    const __m256i productA1 = _mm256_mul_epu32(a.word2, multiplier1);
+    const __m256i productB0 = _mm256_mul_epu32(b.word0, multiplier0);
+    const __m256i productB1 = _mm256_mul_epu32(b.word2, multiplier1);
+    a.word0 = _mm256_xor_si256(_mm256_srli_epi64(productA1, 32), _mm256_xor_si256(a.word1, key0));
+    a.word2 = _mm256_xor_si256(_mm256_srli_epi64(productA0, 32), _mm256_xor_si256(a.word3, key1));
+    b.word0 = _mm256_xor_si256(_mm256_srli_epi64(productB1, 32), _mm256_xor_si256(b.word1, key0));
+    b.word2 = _mm256_xor_si256(_mm256_srli_epi64(productB0, 32), _mm256_xor_si256(b.word3, key1));
+    a.word1 = productA1;
+    a.word3 = productA0;
+    b.word1 = productB1;
+    b.word3 = productB0;
     key[0] += kWeyl0;
     key[1] += kWeyl1;
   }
-  // two words to a lane, then the lanes of a block side by side
+}
+
+/// Writes four blocks as 16 words: two words to a lane, then the lanes of a block side by side.
+[[gnu::target("avx2")]] inline void storeBlocks(const FourBlocks& made, std::uint32_t* words) {
   const __m256i low = _mm256_set1_epi64x(0xFFFFFFFF);
-  const auto store = [&](__m256i c0, __m256i c1, __m256i c2, __m256i c3, std::uint32_t * made)
-      __attribute__((target("avx2"))) {
-    const __m256i c01 = _mm256_or_si256(_mm256_and_si256(c0, low), _mm256_slli_epi64(c1, 32));
-    const __m256i c23 = _mm256_or_si256(_mm256_and_si256(c2, low), _mm256_slli_epi64(c3, 32));
-    const __m256i even = _mm256_unpacklo_epi64(c01, c23);  // blocks 0 and 2
-    const __m256i odd = _mm256_unpackhi_epi64(c01, c23);   // blocks 1 and 3
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(made), _mm256_permute2x128_si256(even, odd, 0x20));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(made + 8), _mm256_permute2x128_si256(even, odd, 0x31));
+  const __m256i words01 = _mm256_or_si256(_mm256_and_si256(made.word0, low), _mm256_slli_epi64(made.word1, 32));
+  const __m256i words23 = _mm256_or_si256(_mm256_and_si256(made.word2, low), _mm256_slli_epi64(made.word3, 32));
+  const __m256i even = _mm256_unpacklo_epi64(words01, words23);  // blocks 0 and 2
+  const __m256i odd = _mm256_unpackhi_epi64(words01, words23);   // blocks 1 and 3
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(words), _mm256_permute2x128_si256(even, odd, 0x20));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(words + 8), _mm256_permute2x128_si256(even, odd, 0x31));
+}
+
+/// The eight blocks of DrawDomain::Selection from index `first` on, as 32 words.
+[[gnu::target("avx2")]] void makeEightBlocks(const std::array<std::uint32_t, 2>& key, std::uint32_t step,
+                                             std::uint64_t first, std::uint32_t* words) {
+  const __m256i steps = _mm256_set1_epi64x(step);
+  const __m256i zero = _mm256_setzero_si256();
+  const __m256i indices = _mm256_add_epi64(_mm256_set1_epi64x(lane(first)), _mm256_setr_epi64x(0, 1, 2, 3));
+  const __m256i next = _mm256_add_epi64(indices, _mm256_set1_epi64x(4));
+  FourBlocks a{indices, _mm256_srli_epi64(indices, 32), steps, zero};
+  FourBlocks b{next, _mm256_srli_epi64(next, 32), steps, zero};
+  makeBlocks(key, a, b);
+  storeBlocks(a, words);
+  storeBlocks(b, words + 16);
+}
+
+/// Eight blocks of the counters (indices[i], step, last[i]), as 32 words.
+[[gnu::target("avx2")]] void makeEightBlocks(const std::array<std::uint32_t, 2>& key, std::uint32_t step,
+                                             const std::uint64_t* indices, const std::uint32_t* last,
+                                             std::uint32_t* words) {
+  const auto load = [&](std::size_t from) __attribute__((target("avx2"))) {
+    const __m256i index = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(indices + from));
+    return FourBlocks{index, _mm256_srli_epi64(index, 32), _mm256_set1_epi64x(step),
+                      _mm256_cvtepu32_epi64(_mm_loadu_si128(reinterpret_cast<const __m128i*>(last + from)))};
   };
-  store(a0, a1, a2, a3, words);
-  store(b0, b1, b2, b3, words + 16);
+  FourBlocks a = load(0);
+  FourBlocks b = load(4);
+  makeBlocks(key, a, b);
+  storeBlocks(a, words);
+  storeBlocks(b, words + 16);
 }
 
 /// Two blocks from `first` on, as 8 words.
@@ -116,6 +145,34 @@ void CounterRandom::selectionWords(std::uint32_t step, std::uint64_t firstBlock,
     for (std::size_t i = 0; i < 4; ++i) {
       words[4 * made + i] = last[i];
     }
+  }
+}
+
+void CounterRandom::uniformPairs(DrawDomain domain, std::uint32_t step, std::size_t count, const std::uint64_t* indices,
+                                 const std::uint32_t* pairs, double* numbers) const {
+  std::size_t made = 0;
+  const auto write = [&](const std::array<std::uint32_t, 4>& words) {
+    const std::array<double, 2> pair = pairOf(words);
+    std::copy(pair.begin(), pair.end(), numbers + 2 * made);
+    ++made;
+  };
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) {
+    while (made + 8 <= count) {
+      std::array<std::uint32_t, 8> last;
+      for (std::size_t i = 0; i < last.size(); ++i) {
+        last[i] = lastWord(domain, pairs[made + i]);
+      }
+      std::array<std::uint32_t, 32> words;
+      makeEightBlocks(key_, step, indices + made, last.data(), words.data());
+      for (std::size_t i = 0; i < words.size(); i += 4) {
+        write({words[i], words[i + 1], words[i + 2], words[i + 3]});
+      }
+    }
+  }
+#endif
+  while (made < count) {
+    write(block(domain, step, indices[made], pairs[made]));
   }
 }
 

@@ -96,7 +96,7 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
     std::fill_n(isMatched_.begin(), group.ruleCount * kLanes, std::uint8_t{0});
     for (std::uint32_t k = 0; k < group.ruleCount; ++k) {
       for (std::size_t i = 0; rules[k].drawsAgain && i < part.size(); ++i) {
-        drawsBefore_[k * kLanes + i] = siteDraws_[part[i]];
+        drawsBefore_[k * kLanes + i] = siteDraws_[part[i]].count;
       }
       std::size_t count = match(rules[k], part);
       count = keepWhereTrue(rules[k], count);
@@ -146,7 +146,7 @@ void BatchRewriter::chooseByWeights(const BatchGroup& group, std::span<const std
         // block and condition run again, with the same draws, and the condition holds for all
         const auto swapDraws = [&, sites = std::span(remaining_.data(), count)] {
           for (const std::uint32_t site : sites) {
-            std::swap(siteDraws_[site], drawsBefore_[k * kLanes + positions_[site]]);
+            std::swap(siteDraws_[site].count, drawsBefore_[k * kLanes + positions_[site]]);
           }
         };
         if (rules[k].drawsAgain) {

@@ -48,7 +48,7 @@ BatchRewriter::BatchRewriter(const language::Program& program, const ContextRule
       siteOffset_(kChunkModules + ModuleFinder::kSlack),
       siteBits_(kChunkModules + ModuleFinder::kSlack),
       siteBlock_(kChunkModules),
-      siteDraws_(kChunkModules),
+      siteDraws_(plan.drawsRandom() ? kChunkModules : 0),
       madeModule_(kChunkModules),
       madeOffset_(kChunkModules),
       resizing_(kChunkModules + 1),
@@ -121,7 +121,7 @@ BatchRewriter::Outcome BatchRewriter::choose(std::uint64_t first, std::uint64_t 
 
   collectSites();
   if (plan_->drawsRandom()) {
-    std::fill_n(siteDraws_.begin(), siteCount_, 0U);
+    std::fill_n(siteDraws_.begin(), siteCount_, ModuleDraws{});
   }
   if (plan_->hasOneKindOnly()) {
     std::fill_n(siteBlock_.begin(), siteCount_, 0U);

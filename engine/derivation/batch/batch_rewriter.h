@@ -154,12 +154,12 @@ class BatchRewriter {
 
   // the sites: modules that may not stay as they are
   std::size_t siteCount_ = 0;
-  Scratch<std::uint32_t> siteModule_;  // counted from the chunk's first module
-  Scratch<std::uint32_t> siteOffset_;  // parameters, counted from those of the chunk's first module
-  Scratch<std::uint8_t> siteBits_;     // candidates that may apply
-  Scratch<std::uint32_t> siteBlock_;   // the new modules: in blocks_
-  Scratch<std::uint32_t> siteDraws_;   // draws that code has made for the site, in models that draw
-  Scratch<std::uint32_t> madeModule_;  // their place, counted from the beginning of the chunk's result
+  Scratch<std::uint32_t> siteModule_;   // counted from the chunk's first module
+  Scratch<std::uint32_t> siteOffset_;   // parameters, counted from those of the chunk's first module
+  Scratch<std::uint8_t> siteBits_;      // candidates that may apply
+  Scratch<std::uint32_t> siteBlock_;    // the new modules: in blocks_
+  std::vector<ModuleDraws> siteDraws_;  // by site, in models that draw
+  Scratch<std::uint32_t> madeModule_;   // their place, counted from the beginning of the chunk's result
   Scratch<std::uint32_t> madeOffset_;
   Scratch<std::uint32_t> resizing_;  // sites whose block has another size than the module
   std::size_t resizingCount_ = 0;
@@ -198,7 +198,7 @@ class BatchRewriter {
   std::vector<std::uint8_t> isMatched_;
   Scratch<std::uint32_t> positions_;  // by site: its lane among the weighed sites
   std::vector<std::uint32_t> chosenRule_;
-  std::vector<std::uint32_t> drawsBefore_;  // by rule and lane: siteDraws_ where the rule begins
+  std::vector<std::uint32_t> drawsBefore_;  // by rule and lane: how many draws came before the rule
   std::vector<double> candidateWeights_;
   std::vector<std::uint32_t> candidates_;
 

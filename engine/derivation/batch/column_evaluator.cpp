@@ -58,6 +58,9 @@ ColumnEvaluator::ColumnEvaluator(const language::Program& program, std::size_t s
       columns_((columnCount + 1) * kLanes),
       active_(kLanes),
       taken_(kLanes),
+      drawModules_(kLanes),
+      drawPairs_(kLanes),
+      drawNumbers_(2 * kLanes),
       powers_(std::size_t{1} << kPowerBits, Power{0, 0, elementary_.pow(0.0, 0.0)}) {}
 
 void ColumnEvaluator::begin(const ColumnInputs& inputs) {
@@ -422,11 +425,41 @@ double ColumnEvaluator::element(const ColumnInstruction& instruction, std::span<
       .elements[arrayElement(variable, subscripts, [&](std::size_t) { noteWarning(instruction.instruction); })];
 }
 
+/// Makes the next two draws of all lanes that do not know them yet.
+void ColumnEvaluator::prepareDraws() {
+  std::size_t count = 0;
+  const auto forUnknown = [&](auto&& take) {
+    count = 0;
+    for (std::size_t lane = 0; lane < lanes_.count; ++lane) {
+      ModuleDraws& draws = lanes_.draws[lanes_.sites[lane]];
+      if (draws.pair != draws.count / 2 && isActive(lane)) {
+        take(draws, lane);
+        ++count;
+      }
+    }
+  };
+  forUnknown([&](const ModuleDraws& draws, std::size_t lane) {
+    drawModules_[count] = lanes_.modules[lane];
+    drawPairs_[count] = draws.count / 2;
+  });
+  inputs_.draws.uniformPairs(core::DrawDomain::Production, static_cast<std::uint32_t>(inputs_.step), count,
+                             drawModules_.data(), drawPairs_.data(), drawNumbers_.data());
+  forUnknown([&](ModuleDraws& draws, std::size_t) {
+    draws.pair = drawPairs_[count];
+    draws.numbers = {drawNumbers_[2 * count], drawNumbers_[2 * count + 1]};
+  });
+}
+
 double ColumnEvaluator::draw(Function function, std::span<const double> arguments, std::size_t lane) {
   // each module counts its draws, so jumps and rejected draws of other lanes change nothing
-  const auto uniform = [&] {
-    return inputs_.draws.uniform(core::DrawDomain::Production, static_cast<std::uint32_t>(inputs_.step),
-                                 lanes_.modules[lane], lanes_.draws[lanes_.sites[lane]]++);
+  const auto uniform = [&, &draws = lanes_.draws[lanes_.sites[lane]]] {
+    const std::uint32_t number = draws.count++;
+    if (draws.pair != number / 2) {
+      draws.pair = number / 2;
+      draws.numbers = core::CounterRandom::pairOf(inputs_.draws.block(
+          core::DrawDomain::Production, static_cast<std::uint32_t>(inputs_.step), lanes_.modules[lane], draws.pair));
+    }
+    return draws.numbers[number % 2];
   };
   switch (function) {
     case Function::Nran: {
@@ -448,6 +481,9 @@ void ColumnEvaluator::runOneByOne(const ColumnInstruction& instruction, double* 
   std::array<double, 4> numbers{};
   const std::span<const double> arguments(numbers.data(), instruction.count);
   bool dividesByZero = false;
+  if (instruction.operation == Operation::Call && language::drawsRandom(function)) {
+    prepareDraws();
+  }
   for (std::size_t i = 0; i < lanes_.count; ++i) {
     if (!isActive(i)) {
       continue;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,14 @@ struct SlotSource {
   std::uint32_t element = 0;  // Searched: of the left context, then of the right context
 };
 
+/// The draws of the code of one module.
+struct ModuleDraws {
+  static constexpr std::uint32_t kNoPair = ~std::uint32_t{0};
+  std::uint32_t count = 0;          // that it has made
+  std::uint32_t pair = kNoPair;     // known draws: 2 * pair and the next
+  std::array<double, 2> numbers{};  // these draws
+};
+
 /// The modules of one evaluation, at most ColumnEvaluator::kLanes. A view.
 struct Lanes {
   std::size_t count = 0;
@@ -38,7 +47,7 @@ struct Lanes {
   const std::uint64_t* left = nullptr;         // (count) offset of the left neighbour's parameters, or of the row
   const std::uint64_t* right = nullptr;        // (count)
   const std::uint64_t* modules = nullptr;      // (count) positions in the string; null: nothing draws
-  std::uint32_t* draws = nullptr;              // by number of the module: draws that it has made; counts on
+  ModuleDraws* draws = nullptr;                // by number of the module; code counts on
 };
 
 /// One value for each lane, or the same for all.
@@ -109,6 +118,7 @@ class ColumnEvaluator {
   void move(const ColumnInstruction& instruction, double* target, const ColumnValue& from);
   [[nodiscard]] double power(double x, double y);
   void raise(double* target, const ColumnValue& a, const ColumnValue& b);
+  void prepareDraws();
   [[nodiscard]] double draw(language::Function function, std::span<const double> arguments, std::size_t lane);
   [[nodiscard]] bool loadElements(const ColumnInstruction& instruction, double* target);
   [[nodiscard]] double element(const ColumnInstruction& instruction, std::span<const double> subscripts);
@@ -133,6 +143,11 @@ class ColumnEvaluator {
   std::vector<Mask> taken_;              // (kLanes) lanes that jump
   std::vector<Mask> stored_;             // by local variable: lanes that have assigned it, kLanes each
   std::uint32_t turns_ = 0;              // of loops
+
+  // draws that a column needs first
+  std::vector<std::uint64_t> drawModules_;  // (kLanes)
+  std::vector<std::uint32_t> drawPairs_;    // (kLanes)
+  std::vector<double> drawNumbers_;         // (2 * kLanes)
 
   std::vector<Power> powers_;  // computed last, by a hash of base and exponent (1 << kPowerBits)
 };

@@ -32,12 +32,21 @@ void RandomSource::attach(RandomState& state) {
   if (!isSequential_) {
     selection_ = core::CounterRandom(state.seed, plant_);
     main_ = core::CounterRandom(state.mainSeed, plant_);
+    pair_ = kNoPair;
     selectionBlock_ = ~std::uint64_t{0};
   }
 }
 
 double RandomSource::uniform() {
-  return isSequential_ ? state_->main.uniform() : main_.uniform(domain_, step_, index_, draw_++);
+  if (isSequential_) {
+    return state_->main.uniform();
+  }
+  const std::uint32_t number = draw_++;
+  if (pair_ != number / 2) {
+    pair_ = number / 2;
+    numbers_ = core::CounterRandom::pairOf(main_.block(domain_, step_, index_, pair_));
+  }
+  return numbers_[number % 2];
 }
 
 double RandomSource::normal(double mean, double deviation) {
@@ -76,7 +85,7 @@ void RandomSource::seed(double value) {
   const std::uint64_t seed = integerSeed(value);
   (isPrivate_ ? private_ : *state_).mainSeed = seed;
   main_ = core::CounterRandom(seed, plant_);
-  draw_ = 0;
+  restartDraws();
 }
 
 void RandomSource::loadSelectionBlock(std::uint64_t step, std::uint64_t block) {
@@ -104,6 +113,7 @@ void RandomSource::usePrivateStream(bool isUsed) {
     return;
   }
   main_ = core::CounterRandom(isUsed ? private_.mainSeed : state_->mainSeed, plant_);
+  pair_ = kNoPair;
 }
 
 }  // namespace espalier::derivation

@@ -28,7 +28,7 @@ class RandomSource {
     domain_ = domain;
     step_ = static_cast<std::uint32_t>(step);
     index_ = index;
-    draw_ = 0;
+    restartDraws();
   }
 
   /// Uniform in [0, 1), from the main stream.
@@ -68,7 +68,13 @@ class RandomSource {
   void usePrivateStream(bool isUsed);
 
  private:
+  static constexpr std::uint32_t kNoPair = ~std::uint32_t{0};
+
   void loadSelectionBlock(std::uint64_t step, std::uint64_t block);
+  void restartDraws() {
+    draw_ = 0;
+    pair_ = kNoPair;
+  }
 
   bool isSequential_;
   core::Elementary elementary_;
@@ -80,6 +86,8 @@ class RandomSource {
   std::uint32_t step_ = 0;
   std::uint64_t index_ = 0;
   std::uint32_t draw_ = 0;
+  std::uint32_t pair_ = kNoPair;  // known draws of the main stream: 2 * pair_ and the next
+  std::array<double, 2> numbers_{};
   std::uint64_t selectionStep_ = ~std::uint64_t{0};
   std::uint64_t selectionBlock_ = ~std::uint64_t{0};
   std::array<std::uint32_t, 4> selectionWords_{};

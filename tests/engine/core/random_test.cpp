@@ -69,6 +69,28 @@ TEST(CounterRandom, PublishedSeedsNeverChange) {
             static_cast<double>(((std::uint64_t{expected[0]} << 32U) | expected[1]) >> 11U) * 0x1.0p-53);
 }
 
+TEST(CounterRandom, ManyPairsAreTheSameAsOneDrawAtATime) {
+  const CounterRandom random(123, 5);
+  std::vector<std::uint64_t> indices;
+  std::vector<std::uint32_t> pairs;
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    indices.push_back((std::uint64_t{1} << 32U) - 50 + std::uint64_t{i} * i);
+    pairs.push_back(i % 3 == 0 ? 70000 + i : i);
+  }
+  // of every length that the vector code splits differently
+  for (std::size_t count = 0; count <= indices.size(); ++count) {
+    std::vector<double> numbers(2 * count + 1, 77.0);
+    random.uniformPairs(DrawDomain::Production, 3, count, indices.data(), pairs.data(), numbers.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::uint32_t k = 0; k < 2; ++k) {
+        ASSERT_EQ(numbers[2 * i + k], random.uniform(DrawDomain::Production, 3, indices[i], 2 * pairs[i] + k))
+            << count << " " << i;
+      }
+    }
+    EXPECT_EQ(numbers.back(), 77.0);
+  }
+}
+
 TEST(CounterRandom, ManyBlocksAreTheSameAsOneAtATime) {
   const CounterRandom random(123, 5);
   // beyond 2^32, and of every length that the vector code splits differently
