@@ -47,16 +47,9 @@ std::string noSuchFile(const std::string& path) {
 // the files among which those of a model are looked for
 class Place {
  public:
-  // a folder on the disk; only its own files are listed
-  Place(const fs::path& folder, core::FileProvider& provider) : folder_(folder), provider_(provider) {
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {
-      if (!entry.is_directory(error)) {
-        names_.push_back(entry.path().filename().string());
-      }
-    }
-    std::sort(names_.begin(), names_.end());
-  }
+  // a folder on the disk; only its own files are listed, and only when they are asked for: a folder may hold thousands
+  Place(const fs::path& folder, core::FileProvider& provider)
+      : folder_(folder), provider_(provider), isListed_(false) {}
   // the files of a message
   Place(const std::map<std::string, std::string>& files, core::FileProvider& provider) : provider_(provider) {
     for (const auto& [name, bytes] : files) {
@@ -65,20 +58,36 @@ class Place {
   }
 
   [[nodiscard]] const fs::path& folder() const { return folder_; }
-  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  [[nodiscard]] const std::vector<std::string>& names() const {
+    if (!std::exchange(isListed_, true)) {
+      std::error_code error;
+      for (const fs::directory_entry& entry : fs::directory_iterator(folder_.empty() ? "." : folder_, error)) {
+        if (!entry.is_directory(error)) {
+          names_.push_back(entry.path().filename().string());
+        }
+      }
+      std::sort(names_.begin(), names_.end());
+    }
+    return names_;
+  }
   [[nodiscard]] core::FileProvider& provider() const { return provider_; }
   // how messages name it
   [[nodiscard]] std::string title() const { return folder_.empty() ? "of the message" : "'" + folder_.string() + "'"; }
   [[nodiscard]] bool has(const fs::path& file) const {
-    const bool isListed =
+    if (!isListed_) {
+      std::error_code error;
+      const fs::file_status status = fs::status(file, error);
+      return fs::exists(status) && !fs::is_directory(status);
+    }
+    const bool isNamed =
         file.parent_path() == folder_ && std::binary_search(names_.begin(), names_.end(), file.filename().string());
-    return isListed || std::binary_search(names_.begin(), names_.end(), file.string()) ||
+    return isNamed || std::binary_search(names_.begin(), names_.end(), file.string()) ||
            (!file.empty() && provider_.read(file.string()).has_value());
   }
   // files with the suffix, sorted by name; control panels of editors belong to no model
   [[nodiscard]] std::vector<fs::path> withSuffix(const char* suffix) const {
     std::vector<fs::path> found;
-    for (const std::string& name : names_) {
+    for (const std::string& name : names()) {
       if (fs::path(name).extension() == suffix && fs::path(name).stem() != "panel") {
         found.push_back(folder_ / name);
       }
@@ -93,9 +102,10 @@ class Place {
   }
 
  private:
-  fs::path folder_;  // empty: names are whole
-  std::vector<std::string> names_;
+  fs::path folder_;                         // empty: names are whole
+  mutable std::vector<std::string> names_;  // sorted
   core::FileProvider& provider_;
+  mutable bool isListed_ = true;  // names_ holds the files of the folder
 };
 
 // the companion of a model in a folder: the file with its stem, else the only file with the suffix; a remark names
