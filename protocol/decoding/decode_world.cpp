@@ -47,13 +47,25 @@ void readDegrees(const Member& member, double most, std::optional<double>& degre
   }
 }
 
+/// The vector of an axis that was given by its letter, such as "z"; else the example.
+std::string exampleFor(std::string_view letter, std::string_view example) {
+  const bool isSigned = letter.starts_with('-') || letter.starts_with('+');
+  const std::string one = letter.starts_with('-') ? "-1" : "1";
+  const std::string_view axis = letter.substr(isSigned ? 1 : 0);
+  return axis == "x" || axis == "X"   ? "[" + one + ", 0, 0]"
+         : axis == "y" || axis == "Y" ? "[0, " + one + ", 0]"
+         : axis == "z" || axis == "Z" ? "[0, 0, " + one + "]"
+                                      : std::string(example);
+}
+
 /// A direction; nothing is changed when it is absent. `example` is one, for messages.
 void readDirection(const Member& member, std::string_view example, std::array<double, 3>& direction) {
   if (member.isAbsent()) {
     return;
   }
   if (!member.isArray() || member.arraySize() != 3) {
-    member.failExpected("three numbers such as " + std::string(example));
+    member.failExpected("three numbers such as " +
+                        (member.isText() ? exampleFor(member.text(), example) : std::string(example)));
   }
   direction = readVector(member);
   if (direction[0] == 0.0 && direction[1] == 0.0 && direction[2] == 0.0) {

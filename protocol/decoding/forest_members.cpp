@@ -6,6 +6,7 @@
 
 #include "protocol/codec.h"
 #include "protocol/decoding/decode_payload.h"
+#include "protocol/decoding/near_name.h"
 
 namespace espalier::protocol {
 namespace {
@@ -49,7 +50,10 @@ void requireKnown(const Member& object, std::span<const std::string_view> known)
       for (const std::string_view key : known) {
         list += (list.empty() ? "" : ", ") + std::string(key);
       }
-      object[name].fail("this key is not known; there are " + list);
+      const std::string_view nearest = nearName(name, known);
+      object[name].fail("this key is not known; " +
+                        (nearest.empty() ? "there are " : "did you mean '" + std::string(nearest) + "'? There are ") +
+                        list);
     }
     if (value.is_null()) {
       object[name].fail("null is no value; leave the key out for its default");

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/decoding/near_name.h"
+
 namespace espalier::protocol {
 namespace {
 
@@ -24,24 +26,6 @@ std::string shown(const nlohmann::json* value) {
     text += "...";
   }
   return text;
-}
-
-// at most two letters are changed, added, missing or exchanged; protocol/ does not see the engine's distance
-bool areNear(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) {
-    row[j] = j;
-  }
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      diagonal = above;
-    }
-  }
-  return row[b.size()] <= (std::min(a.size(), b.size()) > 3 ? 2U : 1U);
 }
 
 }  // namespace
@@ -67,13 +51,13 @@ void AskedMembers::listUnknown(const nlohmann::json& value, const std::string& p
       continue;
     }
     std::string list;
-    const std::string* nearest = nullptr;
     for (const std::string& other : known->second) {
       list += (list.empty() ? "" : ", ") + other;
-      nearest = areNear(name, other) ? &other : nearest;
     }
+    const std::vector<std::string_view> candidates(known->second.begin(), known->second.end());
+    const std::string_view nearest = nearName(name, candidates);
     unknown.push_back(path + "." + name + ": there is no such member. " +
-                      (nearest != nullptr ? "Did you mean '" + *nearest + "'?" : "Known: " + list + "."));
+                      (nearest.empty() ? "Known: " + list + "." : "Did you mean '" + std::string(nearest) + "'?"));
   }
 }
 

@@ -141,7 +141,7 @@ class Forests(unittest.TestCase):
             ({"models": [{"name": "oak", "file": "oak.x"}, {"name": "shrub", "file": "shrub.l"}]}, "there is no file '"),
             ({"plants": [{"position": [0, 0]}]}, "plants[0].position: expected three numbers"),
             ({"plants": [{"position": [0, 0, 0], "turm": 3}]},
-             "plants[0].turm: this key is not known; there are model, position, heading, turn, name, colour"),
+             "plants[0].turm: this key is not known; did you mean 'turn'? There are model, position, heading"),
             ({"plants": []}, "plants: expected at least one plant"),
             ({"models": []}, "models: expected at least one model"),
             ({"models": [{"name": "a", "file": "oak.l"}, {"name": "a", "file": "oak.l"}]},

@@ -54,8 +54,11 @@ TEST(ForestMembers, AForestFileHasNoKeysThatAreNotKnown) {
   EXPECT_EQ(read(R"({"models":[{"name":"b","file":"x.l"}],"plants":[{"position":[0,0,0]}],"environment":"a.e"})"),
             "(accepted)");
   EXPECT_EQ(read(R"({"model":"x.l"})"),
-            "params.model: this key is not known; there are models, plants, seeds, environment, derivationLength, "
-            "seed, world");
+            "params.model: this key is not known; did you mean 'models'? There are models, plants, seeds, environment, "
+            "derivationLength, seed, world");
+  EXPECT_EQ(read(R"({"up":"z"})"),
+            "params.up: this key is not known; there are models, plants, seeds, environment, derivationLength, seed, "
+            "world");
   EXPECT_EQ(read(R"({"models":[{"name":"b"}],"plants":[{"position":[0,0,0]}]})"),
             "params.models[0].file: expected the name of a .l file or of a model folder");
   EXPECT_EQ(read(R"({"models":[{"name":"b","file":"x.l"}]})"),
@@ -64,6 +67,18 @@ TEST(ForestMembers, AForestFileHasNoKeysThatAreNotKnown) {
       read(R"({"models":[{"name":"b","file":"x.l"}],"plants":[{"position":[0,0,0]}],"environment":3})"),
       "params.environment: expected the name of a file, or an environment such as {\"type\": \"honda\"}, or a list "
       "of them, found 3");
+}
+
+TEST(ForestMembers, AWorldFileNamesTheKeyOrTheVectorThatWasMeant) {
+  const auto read = [](const std::string& json) { return problem(decodeWorld(params(json))); };
+  const std::string keys = "lengthUnit, up, north, stepDuration, latitude, longitude, start, baseTemperature, weather";
+  EXPECT_EQ(read(R"({"Up":[0,0,1]})"), "params.Up: this key is not known; did you mean 'up'? There are " + keys);
+  EXPECT_EQ(read(R"({"latitud":49})"),
+            "params.latitud: this key is not known; did you mean 'latitude'? There are " + keys);
+  EXPECT_EQ(read(R"({"gravity":9.81})"), "params.gravity: this key is not known; there are " + keys);
+  EXPECT_EQ(read(R"({"up":"z"})"), "params.up: expected three numbers such as [0, 0, 1], found \"z\"");
+  EXPECT_EQ(read(R"({"north":"-x"})"), "params.north: expected three numbers such as [-1, 0, 0], found \"-x\"");
+  EXPECT_EQ(read(R"({"up":"above"})"), "params.up: expected three numbers such as [0, 1, 0], found \"above\"");
 }
 
 TEST(ForestMembers, WhatIsWrittenIsReadAgain) {
