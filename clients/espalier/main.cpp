@@ -16,6 +16,7 @@
 #include "clients/espalier/commands/commands.h"
 #include "clients/espalier/installation/version_text.h"
 #include "clients/espalier/messages.h"
+#include "clients/espalier/reference_switches.h"
 #include "engine/core/check.h"
 #include "engine/core/diagnostic.h"
 #include "engine/core/simulation_error.h"
@@ -105,6 +106,34 @@ void printUsageError(const CLI::Error& error, const CLI::App& program) {
   std::string problem = error.what();
   problem.erase(problem.find_last_not_of('.') + 1);
   espalier::command::printError(problem + "; `" + page + " --help` lists the options");
+}
+
+// the commands that read models as cpfg does
+constexpr std::array<std::string_view, 6> kModelCommands{"derive", "run", "export", "watch", "check", "disassemble"};
+
+// Reports the first switch of cpfg's command line. False: there is none.
+bool reportsReferenceSwitch(const CLI::App& command, int argumentCount, char** arguments) {
+  for (int i = 2; i < argumentCount && std::string_view(arguments[i]) != "--"; ++i) {
+    const std::string word = arguments[i];
+    const std::string advice = espalier::command::adviceForReferenceSwitch(word);
+    if (!advice.empty() && command.get_option_no_throw(word) == nullptr) {
+      espalier::command::printError(advice);
+      return true;
+    }
+  }
+  return false;
+}
+
+// names the option for a file that stands behind the model, as in cpfg's command line
+void suggestCompanionOption(int argumentCount, char** arguments) {
+  for (int i = 2; i < argumentCount; ++i) {
+    const std::string_view before = arguments[i - 1];
+    const std::string advice = espalier::command::adviceForCompanion(arguments[i]);
+    if (!advice.empty() && !before.starts_with("--")) {
+      std::fprintf(stderr, "%s\n", advice.c_str());
+      return;
+    }
+  }
 }
 
 // names the option that was probably meant, of the command that was given
@@ -204,12 +233,17 @@ int main(int argumentCount, char** arguments) {
       std::fwrite(text.data(), 1, text.size(), argumentCount > 1 ? stdout : stderr);
       return argumentCount > 1 ? kSuccess : kUsage;
     }
+    if (named != kCommands.end() && std::ranges::find(kModelCommands, named->name) != kModelCommands.end() &&
+        reportsReferenceSwitch(*program.get_subcommand(std::string(named->name)), argumentCount, arguments)) {
+      return kUsage;
+    }
     program.parse(argumentCount, arguments);
   } catch (const CLI::Success& helpOrVersion) {
     return program.exit(helpOrVersion);
   } catch (const CLI::ExtrasError& error) {
     printUsageError(error, program);
     suggestOption(program, argumentCount, arguments);
+    suggestCompanionOption(argumentCount, arguments);
     return kUsage;
   } catch (const CLI::ParseError& error) {
     const CLI::App* const given = named == kCommands.end() ? nullptr : program.get_subcommand(std::string(named->name));

@@ -463,6 +463,30 @@ TEST_F(Cli, AMistypedOptionGetsTheNearestName) {
   EXPECT_TRUE(contains(wrong.errors, "Did you mean --steps?")) << wrong.errors;
 }
 
+TEST_F(Cli, SwitchesOfTheReferenceAreNamed) {
+  folder_.write("a.l", kAlgae);
+  const auto error = [&](const std::string& arguments) {
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(result.status, 2) << arguments;
+    return result.errors;
+  };
+  EXPECT_EQ(
+      error("run -m99 a.l a.v"),
+      "error: '-m99' is a switch of cpfg: leave it out: the colour map is the .map file beside the model, or that "
+      "of a model folder\n");
+  EXPECT_EQ(error("run -g a.l a.v"),
+            "error: '-g' is a switch of cpfg: write --compat cpfg-batch, and -o for the output\n");
+  EXPECT_EQ(error("run a.l -rmode expl"), "error: '-rmode' is a switch of cpfg: leave it out, it has no effect here\n");
+  EXPECT_EQ(error("run a.l -obj a.obj"), "error: '-obj' is a switch of cpfg: write -o FILE.obj\n");
+  EXPECT_EQ(error("derive -homo a.l"),
+            "error: '-homo' is a switch of cpfg: leave it out: strings are written before homomorphism\n");
+  EXPECT_TRUE(contains(error("run a.l a.v -o a.png"), "give 'a.v' with its option: --view a.v\n"));
+  EXPECT_TRUE(contains(error("derive a.l a.map"), "'a.map' is not named: the file beside the model"));
+  // options of this program keep their meaning
+  EXPECT_EQ(run("derive a.l").output, "ABAAB\n");
+  EXPECT_EQ(run("run a.l -o a.string -a").status, run("run a.l -o a.string --animate").status);
+}
+
 TEST_F(Cli, HelpOfForestListsOnlyFormatsThatItWrites) {
   const std::string help = run("forest --help").output;
   EXPECT_TRUE(contains(help, ".glb"));
