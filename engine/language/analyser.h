@@ -68,9 +68,10 @@ class Analyser {
   const core::Limits& limits_;
   ModelSyntax& model_;
   MessageList& messages_;
-  bool hasSteps_ = false;          // Q and Z are defined
-  std::string place_;              // the part of the model that holds the current expression, for messages
-  core::SourceRange predecessor_;  // of the current production; empty: none
+  bool hasSteps_ = false;            // Q and Z are defined
+  std::string place_;                // the part of the model that holds the current expression, for messages
+  core::SourceRange predecessor_;    // of the current production; empty: none
+  core::SourceRange reportedLabel_;  // a predecessor that is the label of a production: one warning is enough
   const std::vector<std::string>* macros_ = nullptr;  // names of macros; null: none are known
   std::set<std::string> unknown_;                     // unknown names of the current L-system: never suggested
   std::set<std::string> assignedInProductions_;       // names assigned in the current L-system's productions

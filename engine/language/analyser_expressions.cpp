@@ -8,6 +8,7 @@
 #include "engine/language/analyser.h"
 #include "engine/language/arithmetic.h"
 #include "engine/language/decimal_comma.h"
+#include "engine/language/parse/foreign_lines.h"
 #include "engine/language/program.h"
 #include "engine/language/world_names.h"
 
@@ -225,6 +226,13 @@ void Analyser::reportUnknownName(const ExpressionNode& node, const Scope& scope)
     const std::size_t list = near.size() + 17;
     hint[list] = static_cast<char>(hint[list] - 'a' + 'A');
   }
+  if (std::string advice = labelAdvice(text_.substr(predecessor_.begin, predecessor_.end - predecessor_.begin));
+      !advice.empty()) {
+    if (std::exchange(reportedLabel_, predecessor_) == predecessor_) {
+      return;
+    }
+    hint = std::move(advice);
+  }
   messages_.warning(node.range, "unknown name '" + node.text + "' in " + describePlace() + ": its value is 0",
                     std::move(hint));
 }
@@ -326,6 +334,11 @@ void Analyser::resolveFunction(ExpressionNode& node, Scope& scope) {
   }
   if (scope.find(node.text).kind != Binding::Kind::Unbound) {
     hint = "'" + node.text + "' is a variable; write the multiplication as '" + node.text + " * (...)'";
+  }
+  if (std::string advice = labelAdvice(text_.substr(predecessor_.begin, predecessor_.end - predecessor_.begin));
+      !advice.empty()) {
+    reportedLabel_ = predecessor_;
+    hint = std::move(advice);
   }
   messages_.error(node.nameRange, "unknown function '" + node.text + "' in " + describePlace(), std::move(hint));
 }

@@ -33,30 +33,7 @@ class MessageList {
   }
 
   /// Adds all messages to `list`, in the order of the text.
-  void moveTo(core::DiagnosticList& list, const files::SourceMap& map) {
-    std::stable_sort(messages_.begin(), messages_.end(),
-                     [](const Message& a, const Message& b) { return a.range.begin < b.range.begin; });
-    // the parser cannot understand a line that could not be preprocessed
-    const std::vector<core::Diagnostic> earlier = list.entries();
-    const auto isExplained = [&](const core::SourceLocation& place) {
-      return std::any_of(earlier.begin(), earlier.end(), [&](const core::Diagnostic& diagnostic) {
-        return diagnostic.severity == core::Severity::Error && place.line > 0 &&
-               diagnostic.location.line == place.line && diagnostic.location.file == place.file;
-      });
-    };
-    std::size_t errors = 0;
-    std::size_t warnings = 0;
-    for (Message& message : messages_) {
-      // finding a place takes a walk through its file, and the list keeps only its limit of each severity
-      const std::size_t rank = message.severity == core::Severity::Error ? errors++ : warnings++;
-      core::SourceLocation place =
-          rank < core::DiagnosticList::kLimit ? map.locate(message.range) : core::SourceLocation{};
-      if (!isExplained(place)) {
-        list.add({message.severity, std::move(message.text), std::move(place), std::move(message.hint)});
-      }
-    }
-    messages_.clear();
-  }
+  void moveTo(core::DiagnosticList& list, const files::SourceMap& map);
 
  private:
   struct Message {

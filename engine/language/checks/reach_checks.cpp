@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/language/checks/formal_modules.h"
+#include "engine/language/preprocess/macro_table.h"
 
 namespace espalier::language {
 namespace {
@@ -192,7 +193,13 @@ class ReachChecks {
       messages_.warning(module.range, begin + "only the homomorphism makes the module " + name,
                         "the homomorphism changes what is drawn, not the string that productions see");
     } else {
-      messages_.warning(module.range, begin + "no axiom or successor makes the module " + name);
+      // `A(n) n > 1 --> A(n)`
+      const std::size_t sign =
+          module.range.begin == 0 ? std::string_view::npos : text_.find_last_not_of(" \t", module.range.begin - 1);
+      const bool isCompared =
+          sign != std::string_view::npos && (text_[sign] == '<' || text_[sign] == '>') && isDigit(name.front());
+      messages_.warning(module.range, begin + "no axiom or successor makes the module " + name,
+                        isCompared ? "a condition stands behind a ':', as in A(x) : x > 1 --> B" : "");
     }
   }
 

@@ -5,6 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "engine/language/hexadecimal.h"
+#include "engine/language/parse/foreign_lines.h"
+
 namespace espalier::language {
 namespace {
 
@@ -33,8 +36,13 @@ bool Parser::expected(std::string_view what, const Token& token, std::string hin
   if (lexer_.skipsBeforeToken()) {
     const core::SourceRange& range = lexer_.skippedBeforeToken();
     const std::string text(lexer_.text().substr(range.begin, range.end - range.begin));
-    hint = "'" + text + "' before it is skipped: " + (text == "|" ? "write '||' for 'or'" : "remove it");
-  } else if (!advice.empty() && (token.kind == TokenKind::Invalid || hint.empty())) {
+    const std::string_view command = latexCommand(lexer_.text().substr(range.begin));
+    hint = !command.empty() ? latexAdvice(command)
+           : text == "." && token.kind == TokenKind::Identifier
+               ? "functions are called by their names alone: " + token.text + "(...)"
+               : "'" + text + "' before it is skipped: " + (text == "|" ? "write '||' for 'or'" : "remove it");
+  } else if (!advice.empty() && (token.kind == TokenKind::Invalid || hint.empty() ||
+                                 !hexadecimalHint(lexer_.text(), token.range.begin).empty())) {
     hint = advice;
   } else if (token.kind == TokenKind::EndOfLine &&
              (startsInComment(token.range.end) || (!lexer_.isFreeSyntax() && lexer_.nextLineIsIndented()))) {
@@ -106,9 +114,13 @@ void Parser::parseFile() {
       parseModuleItem();
     } else {
       const std::string_view line = lineAt(token.range.begin);
+      const bool isBelow = lexer_.text().find("system:", token.range.end) != std::string_view::npos;
       expected("'Lsystem:'", token,
                line.starts_with("define ") || line.starts_with("include ")
                    ? "macros and includes start with '#': #" + std::string(line.substr(0, line.find(' ')))
+               : line.starts_with("Lsystem ") || line.starts_with("lsystem ") ? "write a ':' behind 'Lsystem'"
+               : token.kind == TokenKind::Keyword && isBelow
+                   ? "this line belongs below the line 'Lsystem: 1'"
                    : "every L-system starts with 'Lsystem:' and a label, and ends with 'endlsystem'. In the "
                      "notation of textbooks write 'axiom: F' and 'F -> F+F'");
       recover();
@@ -175,6 +187,19 @@ void Parser::parseLSystem() {
   }
 }
 
+/// Reports a label that goes on in lines that start with a TAB, which hold the items. False: it does not.
+bool Parser::reportsLabelOfLines(const LSystemSyntax& system) {
+  const std::size_t newline = lexer_.text().substr(0, system.labelRange.end).find('\n', system.labelRange.begin);
+  if (newline == std::string_view::npos) {
+    return false;
+  }
+  const auto begin = static_cast<std::uint32_t>(newline) + 1;
+  messages_.error({begin, begin + 1}, "this line starts with a TAB and so continues the label of the L-system",
+                  "start every line in column 1");
+  hasReportedEnd_ = true;
+  return true;
+}
+
 void Parser::parseItems(LSystemSyntax& system) {
   bool hasComplained = false;
   while (true) {
@@ -188,7 +213,7 @@ void Parser::parseItems(LSystemSyntax& system) {
       return;
     } else if (token.kind == TokenKind::EndOfFile ||
                (token.kind == TokenKind::Keyword && startsSection(token.keyword))) {
-      if (!hasComplained) {
+      if (!hasComplained && !reportsLabelOfLines(system)) {
         expected("'Axiom:'", token, "every L-system has an axiom, the string it starts from: 'Axiom: A(1)'");
       }
       return;
@@ -201,6 +226,12 @@ void Parser::parseItems(LSystemSyntax& system) {
           expected("'Axiom:'", token,
                    "every L-system has an axiom before its productions, the string it starts from: 'Axiom: A(1)'");
           return;
+        }
+        if (const ForeignLine foreign = skipForeignLine("an item or 'Axiom:'", token); !foreign.advice.empty()) {
+          if (foreign.isAxiom) {
+            return;
+          }
+          continue;
         }
         static const std::vector<std::string_view> kItems{
             "derivation length", "seed",    "consider", "ignore", "axiom", "define", "start", "end",

@@ -7,6 +7,7 @@
 
 #include "engine/core/limits.h"
 #include "engine/language/message_list.h"
+#include "engine/language/parse/foreign_lines.h"
 #include "engine/language/parse/lexer.h"
 #include "engine/language/parse/syntax.h"
 
@@ -31,6 +32,7 @@ class Parser {
   // parser.cpp: L-systems and their sections
   void parseLSystem();
   void parseItems(LSystemSyntax& system);
+  bool reportsLabelOfLines(const LSystemSyntax& system);
   void parseAxiom(LSystemSyntax& system);
   void parseProductions(LSystemSyntax& system, ProductionListSyntax& list, std::string_view name);
   void parseSectionHead(ProductionListSyntax& list);
@@ -68,8 +70,11 @@ class Parser {
 
   // parser_hints.cpp: advice for frequent mistakes
   [[nodiscard]] std::string adviceFor(const Token& token) const;
+  [[nodiscard]] std::string colonAdvice(const Token& token) const;
+  ForeignLine skipForeignLine(std::string_view what, const Token& token);
   [[nodiscard]] std::string unclosedHint(core::SourceRange open, const Token& found) const;
   void reportSkippedCharacters();
+  void warnAboutLatex(std::uint32_t begin);
   [[nodiscard]] std::string_view lineAt(std::uint32_t position) const;
   [[nodiscard]] std::string continuationHint(std::uint32_t position) const;
   [[nodiscard]] bool startsInComment(std::uint32_t position) const;
@@ -81,6 +86,7 @@ class Parser {
   bool isTooDeep();
   bool parseStatement(Statement& statement);
   bool parseSimpleStatement(Statement& statement);
+  bool expectSemicolon();
   bool parseIf(Statement& statement);
   bool parseLoop(Statement& statement, bool isDo);
   bool parseStatementCondition(ExpressionIndex& condition, std::string_view name);

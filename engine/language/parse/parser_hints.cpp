@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "engine/language/decimal_comma.h"
+#include "engine/language/hexadecimal.h"
+#include "engine/language/parse/foreign_lines.h"
 #include "engine/language/parse/parser.h"
 #include "engine/language/preprocess/macro_table.h"
 
@@ -36,6 +39,21 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kLookali
 }};
 
 }  // namespace
+
+/// Reports a line with the habit of another program, and skips it. The result has no advice when the line is none.
+ForeignLine Parser::skipForeignLine(std::string_view what, const Token& token) {
+  const ForeignLine foreign = foreignLine(lineAt(token.range.begin));
+  if (foreign.advice.empty()) {
+    return foreign;
+  }
+  Token word = token;
+  word.kind = TokenKind::Symbol;
+  word.text = foreign.word;
+  word.range.end = token.range.begin + static_cast<std::uint32_t>(foreign.word.size());
+  expected(what, word, foreign.advice);
+  recover();
+  return foreign;
+}
 
 std::string_view Parser::lineAt(std::uint32_t position) const {
   const std::string_view rest = lexer_.text().substr(position);
@@ -75,6 +93,11 @@ std::string Parser::adviceFor(const Token& token) const {
       if (!token.hint.empty()) {
         return token.hint;
       }
+      if (token.text.starts_with("\xE2\x80") && static_cast<unsigned char>(token.text.back()) >= 0x98U &&
+          std::string_view("(,").find(before) == std::string_view::npos &&
+          (reading_ == "the axiom" || reading_ == "the successor")) {
+        return "modules are written without quotes";
+      }
       for (const auto& [character, advice] : kLookalikes) {
         if (token.text == character) {
           return std::string(advice);
@@ -83,7 +106,22 @@ std::string Parser::adviceFor(const Token& token) const {
       return token.text.empty() || static_cast<unsigned char>(token.text[0]) < 0x80U
                  ? std::string()
                  : "models are written in 7-bit ASCII; other characters may stand in comments and strings only";
+    case TokenKind::Star:
+      return before == '*' ? "the power is written with '^', as in x^2" : std::string();
+    case TokenKind::Colon:
+      return colonAdvice(token);
+    case TokenKind::OpenParenthesis:
+      return reading_ == "a production" ? "a probability stands at the end of a production: A --> B : 0.5"
+                                        : std::string();
+    case TokenKind::CloseParenthesis:
+      return reading_ == "a production" && isDigit(before) && isDigit(lexer_.text()[productionBegin_])
+                 ? "productions have no numbers: remove '" +
+                       std::string(lexer_.text().substr(productionBegin_, token.range.end - productionBegin_)) + "'"
+                 : std::string();
     case TokenKind::Assign:
+      if (before == ':') {
+        return "the arrow of a production is '-->'";
+      }
       if (std::string_view("+-*/").find(before) != std::string_view::npos) {
         return "there is no '" + std::string(1, before) + "=': write n = n " + std::string(1, before) + " 1";
       }
@@ -96,11 +134,18 @@ std::string Parser::adviceFor(const Token& token) const {
       }
       return token.text == "+" && before == '+' ? "there is no '++': write n = n + 1" : std::string();
     case TokenKind::Identifier:
+      if (std::string hint = hexadecimalHint(lexer_.text(), token.range.begin); !hint.empty()) {
+        return hint;
+      }
       return token.text == "and"                                ? "write '&&'"
              : token.text == "or"                               ? "write '||'"
              : token.text == "not"                              ? "write '!'"
              : token.text == "if" && reading_ == "a production" ? "a condition follows ':', as in A(x) : x > 1 --> B"
-                                                                : std::string();
+             : token.text == "if" && reading_ == "the condition"
+                 ? "the condition stands without the word 'if', as in A(x) : x > 1 --> B"
+             : token.text == "else" && reading_ == "the condition"
+                 ? "write the production for all other cases below, without a condition: the first that matches applies"
+                 : std::string();
     case TokenKind::Comma:
       return decimalCommaHint(lexer_.text(), token.range.begin);
     case TokenKind::EndOfLine:
@@ -110,17 +155,44 @@ std::string Parser::adviceFor(const Token& token) const {
   }
 }
 
+/// Warns when the module '\\' at `begin` and the letters behind it are a command of LaTeX.
+void Parser::warnAboutLatex(std::uint32_t begin) {
+  const std::string_view command = latexCommand(lexer_.text().substr(begin));
+  if (!command.empty()) {
+    messages_.warning({begin, begin + static_cast<std::uint32_t>(command.size())},
+                      "'" + std::string(command) + "' is read as " + std::to_string(command.size()) +
+                          " modules: '\\' and its letters",
+                      latexAdvice(command));
+  }
+}
+
+/// Advice about a colon in the place of an arrow.
+std::string Parser::colonAdvice(const Token& token) const {
+  const std::string_view head = lexer_.text().substr(predecessor_.begin, predecessor_.end - predecessor_.begin);
+  if (std::string advice = labelAdvice(head); !advice.empty()) {
+    return advice;
+  }
+  if (reading_ != "the condition") {
+    return {};
+  }
+  return token.range.begin > 0 && lexer_.text()[token.range.begin - 1] == ':'
+             ? "one ':' stands before the condition"
+             : "a probability stands at the end of a production: A --> B : 0.5";
+}
+
 /// Warns about the characters in expressions that the lexer skipped.
 void Parser::reportSkippedCharacters() {
   for (const core::SourceRange& range : lexer_.skipped()) {
     const std::string text(lexer_.text().substr(range.begin, range.end - range.begin));
     const bool isOne = text.size() == 1;
+    const std::string_view rest = lexer_.text().substr(range.begin);
     const bool begins = range.end < lexer_.text().size() && isIdentifierStart(lexer_.text()[range.end]);
     messages_.warning(range,
                       std::string(isOne ? "the character '" : "the characters '") + text + "' " +
                           (isOne ? "has no meaning in expressions and is" : "have no meaning in expressions and are") +
                           " skipped",
                       text == "|"                    ? "write '||' for 'or'"
+                      : !latexCommand(rest).empty()  ? latexAdvice(latexCommand(rest))
                       : text.back() == '_' && begins ? "a name begins with a letter"
                       : isOne                        ? "remove it"
                                                      : "remove them");

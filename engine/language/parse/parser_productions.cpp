@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "engine/core/work_meter.h"
+#include "engine/language/parse/foreign_lines.h"
 #include "engine/language/parse/parser.h"
 
 namespace espalier::language {
@@ -64,7 +65,9 @@ std::string Parser::productionHint(std::uint32_t begin) const {
       return "did you mean '" + std::string(near) + ":'?";
     }
   }
-  return continuationHint(begin);
+  std::string continued = continuationHint(begin);
+  return continued.empty() && line.find('>') == std::string_view::npos ? "a production is written as A --> AB"
+                                                                       : continued;
 }
 
 /// Reports a line that cannot be a production: it starts with blanks instead of a TAB, or with a misspelt section word.
@@ -75,7 +78,8 @@ bool Parser::skipsNoProduction(std::string_view name) {
   // the arrow may stand on a line that continues this one
   std::string_view whole = lexer_.text().substr(token.range.begin);
   std::size_t lineEnd = whole.find('\n');
-  while (lineEnd + 1 < whole.size() && lineEnd != std::string_view::npos && whole[lineEnd + 1] == '\t') {
+  const auto continues = [&](char c) { return c == '\t' || (c == ' ' && lexer_.isFreeSyntax()); };
+  while (lineEnd + 1 < whole.size() && lineEnd != std::string_view::npos && continues(whole[lineEnd + 1])) {
     lineEnd = whole.find('\n', lineEnd + 1);
   }
   whole = whole.substr(0, lineEnd);
@@ -88,17 +92,23 @@ bool Parser::skipsNoProduction(std::string_view name) {
     lexer_.skipIndentedLines();
     return true;
   }
+  reading_ = name;
+  if (!skipForeignLine("a production", token).advice.empty()) {
+    return true;
+  }
   static const std::vector<std::string_view> kWords{"decomposition", "homomorphism", "endlsystem", "maximum depth"};
   const std::size_t end = std::min(line.find(':'), line.find_last_not_of(" \t\r") + 1);
   const std::string_view word = line.substr(0, end);
-  const std::string_view near = word.size() < 4 ? std::string_view() : core::nearestName(word, kWords);
+  const bool isEnd = word == "end" || word == "End" || word == "END" || word.starts_with("end ");
+  const std::string_view near = isEnd             ? "endlsystem"
+                                : word.size() < 4 ? std::string_view()
+                                                  : core::nearestName(word, kWords);
   if (near.empty()) {
     return false;
   }
   Token misspelt = token;
   misspelt.text = word;
   misspelt.range.end = token.range.begin + static_cast<std::uint32_t>(word.size());
-  reading_ = name;
   expected(near == "endlsystem" ? "a production or 'endlsystem'" : "a production", misspelt,
            "did you mean '" + std::string(near) + "'?");
   // a misspelt endlsystem: the end of the file is not another mistake
@@ -118,9 +128,33 @@ bool Parser::expectedArrow(std::string_view what, const Token& token, std::uint3
   if (!hasArrow && arrow != std::string_view::npos && !isEarlier) {
     Token misspelt;
     misspelt.kind = TokenKind::Operator;
-    misspelt.text = std::string(line.substr(arrow, 2));
-    misspelt.range = {begin + static_cast<std::uint32_t>(arrow), begin + static_cast<std::uint32_t>(arrow) + 2};
+    // `==>` too
+    const std::size_t first = arrow > 0 && line[arrow] == '=' && line[arrow - 1] == '=' ? arrow - 1 : arrow;
+    misspelt.text = std::string(line.substr(first, arrow + 2 - first));
+    misspelt.range = {begin + static_cast<std::uint32_t>(first), begin + static_cast<std::uint32_t>(arrow) + 2};
     return expected("'-->'", misspelt, "the arrow of a production has two strokes");
+  }
+  // `A \rightarrow AB`
+  for (std::size_t at = line.find('\\'); at != std::string_view::npos; at = line.find('\\', at + 1)) {
+    const std::string_view command = latexCommand(line.substr(at));
+    if (token.kind == TokenKind::EndOfLine && command.ends_with("arrow")) {
+      Token arrowWord;
+      arrowWord.kind = TokenKind::Operator;
+      arrowWord.text = std::string(command);
+      arrowWord.range = {begin + static_cast<std::uint32_t>(at),
+                         begin + static_cast<std::uint32_t>(at + command.size())};
+      return expected("'-->'", arrowWord, latexAdvice(command));
+    }
+  }
+  // `A = AB`
+  const std::size_t equals = line.find('=');
+  if (token.kind == TokenKind::EndOfLine && equals != std::string_view::npos && equals > 0 &&
+      line.find('>') == std::string_view::npos) {
+    Token sign;
+    sign.kind = TokenKind::Operator;
+    sign.text = "=";
+    sign.range = {begin + static_cast<std::uint32_t>(equals), begin + static_cast<std::uint32_t>(equals) + 1};
+    return expected("'-->'", sign, "the arrow of a production is '-->'");
   }
   return expected(what, token, hint.empty() ? productionHint(begin) : std::move(hint));
 }
@@ -139,6 +173,12 @@ bool Parser::parseHead(ProductionSyntax& production) {
     return expectedArrow("'-->'", token, begin);
   }
   predecessor_ = production.predecessorRange;
+  if (token.kind == TokenKind::Arrow && separators.empty() && production.predecessor.size() > 1 &&
+      lexer_.text().substr(production.predecessorRange.end - 1).starts_with("--->")) {
+    messages_.warning({token.range.begin - 1, token.range.end},
+                      "'--->' is read as the module '-' of the predecessor and the arrow '-->'",
+                      "the arrow of a production has two strokes; put a blank behind a module '-'");
+  }
   return true;
 }
 
@@ -401,6 +441,9 @@ bool Parser::parseModule(std::vector<ModuleSyntax>& modules) {
   ModuleSyntax& module = modules.emplace_back();
   module.range = name.range;
   lexer_.advance();
+  if (name.text == "\\") {
+    warnAboutLatex(name.range.begin);
+  }
   // free syntax: a newline inside brackets does not end the production
   std::uint32_t depth = lexer_.bracketDepth();
   if (lexer_.isFreeSyntax() && (name.text == "[" || name.text == "]")) {

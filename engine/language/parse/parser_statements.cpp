@@ -166,7 +166,24 @@ bool Parser::parseSimpleStatement(Statement& statement) {
     return expected("';'", lexer_.peekExpression(),
                     "variables have no types: write " + lexer_.peekExpression().text + " = 0;");
   }
-  return expectExpressionToken(TokenKind::Semicolon, "';'");
+  return expectSemicolon();
+}
+
+/// A missing semicolon is reported behind the statement that lacks it, also when the next one is on another line.
+bool Parser::expectSemicolon() {
+  const std::uint32_t end = lexer_.position();
+  const Token token = lexer_.peekExpression();
+  const std::size_t newline = lexer_.text().substr(0, token.range.begin).find('\n', end);
+  if (token.kind == TokenKind::Semicolon || newline == std::string_view::npos || token.kind == TokenKind::EndOfFile) {
+    return token.kind == TokenKind::CloseBrace ? expected("';'", token, "every statement ends with ';'")
+                                               : expectExpressionToken(TokenKind::Semicolon, "';'");
+  }
+  Token lineEnd;
+  lineEnd.kind = TokenKind::EndOfLine;
+  lineEnd.range = {end, end + 1};
+  messages_.error(lineEnd.range, "expected ';' while reading " + describeReading() + ", found " + describe(lineEnd),
+                  "every statement ends with ';'");
+  return false;
 }
 
 bool Parser::parseStatementCondition(ExpressionIndex& condition, std::string_view name) {

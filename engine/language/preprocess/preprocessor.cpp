@@ -330,12 +330,13 @@ class Preprocessor {
     static const std::vector<std::string_view> kNames{"define", "undef", "include", "if",    "ifdef", "ifndef",
                                                       "elif",   "else",  "endif",   "error", "line",  "pragma"};
     const std::string_view near = core::nearestName(name, kNames);
-    error(
-        file, line.offsetOf(0), length,
-        "expected a directive after '#', found '" + line.text.substr(1, std::max<std::size_t>(length, 2) - 1) + "'",
-        name.empty() || near.empty()
-            ? "a '#' in column 1 starts a directive; for the symbol '#' put something before it, as in '* < #(w) --> *'"
-            : "did you mean '#" + std::string(near) + "'?");
+    error(file, line.offsetOf(0), length,
+          "expected a directive after '#', found '" + line.text.substr(1, std::max<std::size_t>(length, 2) - 1) + "'",
+          !name.empty() && !near.empty() ? "did you mean '#" + std::string(near) + "'?"
+          : !name.empty() && line.text.find("-->") == std::string::npos
+              ? "a comment is written as /* ... */ or behind //"
+              : "a '#' in column 1 starts a directive; for the symbol '#' put something before it, as in "
+                "'* < #(w) --> *'");
   }
 
   void openConditional(std::uint32_t file, const LogicalLine& line, const std::string& name, std::size_t end) {
@@ -500,7 +501,10 @@ class Preprocessor {
       error(file, line.offsetOf(first), std::max<std::size_t>(rest.size(), 1),
             "expected \"file\" or <file> while reading #include, found " +
                 (rest.empty() ? std::string("the end of the line") : "'" + rest + "'"),
-            "");
+            rest.starts_with("\xE2\x80") ? "write the straight quote of the keyboard, '\"'"
+            : rest.starts_with('"') || hasBrackets || rest.empty()
+                ? ""
+                : "write the name of the file in quotes: #include \"" + rest + "\"");
       return;
     }
     const std::string name = files::nameBeside(files_[file].name, rest.substr(1, close - 1));

@@ -10,6 +10,7 @@
 
 #include "engine/files/text_cursor.h"
 #include "engine/language/decimal_comma.h"
+#include "engine/language/hexadecimal.h"
 #include "engine/language/preprocess/preprocessor.h"
 #include "engine/language/view/view_commands.h"
 #include "engine/language/view/view_lexer.h"
@@ -63,8 +64,10 @@ void warnUnknown(const ViewCommandContext& context, const ViewLexer::Label& labe
   std::string shown(name.substr(0, kLongest));
   shown += name.size() > kLongest ? "..." : "";
   if (!label.text.ends_with(':')) {
+    const std::string_view text = context.lexer.cursor().textBetween(0, label.range.end);
+    std::string hint = hexadecimalHint(text, label.range.begin);
     report.warn(label.range, "expected a view command while reading a view file, found '" + shown + "'",
-                decimalCommaHint(context.lexer.cursor().textBetween(0, label.range.end), label.range.begin));
+                hint.empty() ? decimalCommaHint(text, label.range.begin) : std::move(hint));
     return;
   }
   std::string hint;

@@ -247,7 +247,8 @@ TEST(Parser, MistakesInHeads) {
           "a single module",
           "10:5: error: '=' must be followed by another module in a right context | '=' goes to the end of "
           "the branch: write '=]'",
-          "11:7: error: expected '-->' while reading a production, found the end of the line",
+          "11:7: error: expected '-->' while reading a production, found the end of the line | a production is "
+          "written as A --> AB",
           "12:3: error: expected a parameter name while reading a production, found ')' | a module without "
           "parameters has no "
           "parentheses",
@@ -269,7 +270,7 @@ TEST(Parser, MistakesInBodies) {
           "always true",
           "4:9: error: expected a statement while reading a block of A(n), found '}' | an empty block is not allowed; "
           "remove it",
-          "5:16: error: expected ';' while reading a block of A(n), found '}'",
+          "5:16: error: expected ';' while reading a block of A(n), found '}' | every statement ends with ';'",
           "6:15: error: expected a condition while reading the condition of A(n), found '-->' | write '*' for the "
           "condition that is "
           "always true",

@@ -287,7 +287,8 @@ TEST(Preprocessor, AMissingIncludeIsAnError) {
   EXPECT_EQ(problemsOf("#include \"no.h\"\n#include no\n#include\n"),
             (Messages{"1:10: error: cannot read the included file 'no.h' | an included file is looked for beside the "
                       "file that includes it",
-                      "2:10: error: expected \"file\" or <file> while reading #include, found 'no'",
+                      "2:10: error: expected \"file\" or <file> while reading #include, found 'no' | write the name of "
+                      "the file in quotes: #include \"no\"",
                       "3:9: error: expected \"file\" or <file> while reading #include, found the end of the line"}));
 }
 
