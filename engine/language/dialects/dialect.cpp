@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdint>
 #include <utility>
 
 #include "engine/files/utf8.h"
@@ -46,6 +47,27 @@ std::string foreignText(std::string_view bytes) {
     }
   }
   return text;
+}
+
+enum class CpfgLine : std::uint8_t { Lsystem, Directive, Endlsystem };
+
+// whether a line begins with the keyword, or with #include, #if, #ifdef or #ifndef and what belongs behind it
+bool hasCpfgLine(std::string_view text, CpfgLine kind) {
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string_view line = text.substr(begin, end - begin);
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    const bool isDirective = line.starts_with("#include \"") || line.starts_with("#include\"") ||
+                             line.starts_with("#include <") || line.starts_with("#include<") ||
+                             line.starts_with("#if ") || line.starts_with("#ifdef ") || line.starts_with("#ifndef ");
+    if (kind == CpfgLine::Lsystem      ? isSame(line.substr(0, 8), "lsystem:")
+        : kind == CpfgLine::Endlsystem ? isSame(line.substr(0, 10), "endlsystem")
+                                       : isDirective) {
+      return true;
+    }
+    begin = end + 1;
+  }
+  return false;
 }
 
 // the asked dialect, or the first that recognises a text; null: cpfg, or none of that name
@@ -107,17 +129,15 @@ std::vector<std::string_view> dialectNames() {
 }
 
 bool looksLikeCpfg(std::string_view text) {
-  // the keyword at the beginning of a line; a preprocessor's line can bring it from another file
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string_view line = text.substr(begin, end - begin);
-    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
-    if (isSame(line.substr(0, 8), "lsystem:") || line.starts_with("#include") || line.starts_with("#if")) {
-      return true;
-    }
-    begin = end + 1;
+  if (hasCpfgLine(text, CpfgLine::Lsystem)) {
+    return true;
   }
-  return false;
+  // a line of the preprocessor can bring the keyword from another file; in other notations it is a remark
+  if (!hasCpfgLine(text, CpfgLine::Directive)) {
+    return false;
+  }
+  return (hasCpfgLine(text, CpfgLine::Endlsystem) && !recognisesLpy(text)) ||
+         std::ranges::none_of(kDialects, [&](const Dialect& dialect) { return dialect.recognises(text); });
 }
 
 NamedEntry splitEntry(const std::string& name, core::FileProvider& files) {
@@ -163,9 +183,11 @@ std::optional<TranslatedModel> translateForeign(const CompileInput& input, core:
   translated.foreign = {named.file, noText.message.empty() ? foreignText(*text) : std::string{}};
   const std::string& foreign = translated.foreign.text;
   const bool isAsked = !input.dialect.empty();
-  const ForeignFile other = noText.message.empty() && !isAsked ? modelOfOtherProgram(foreign) : noText;
+  const bool isOther = noText.message.empty() && !isAsked && !hasCpfgLine(foreign, CpfgLine::Lsystem);
+  const ForeignFile other = isOther ? modelOfOtherProgram(foreign) : noText;
   if (!other.message.empty()) {
-    DialectReport(translated.foreign, translated.diagnostics).error(0, 1, other.message, other.hint);
+    DialectReport(translated.foreign, translated.diagnostics)
+        .error(other.offset, std::max<std::size_t>(other.length, 1), other.message, other.hint);
     return translated;
   }
   if (input.dialect == kCpfgDialect) {

@@ -363,9 +363,15 @@ class LpyReader {
     } else {
       rules_.draws().areNamed = false;
       checkBrackets(text_, axiom_.offset, axiom_.offset + axiom_.text.size(), "the axiom", report_);
-      model_.axiom =
-          (axiomBlock_.empty() ? rules_.modules(axiom_, rules_.scope(), LpyTarget::String) : rules_.axiom(axiomBlock_))
-              .value_or(MappedText{});
+      std::optional<MappedText> axiom =
+          axiomBlock_.empty() ? rules_.modules(axiom_, rules_.scope(), LpyTarget::String) : rules_.axiom(axiomBlock_);
+      if (axiom && axiom->empty()) {
+        report_.error(axiom_.offset, std::min(axiom_.text.find('\n'), axiom_.text.size()), "the axiom has no module",
+                      axiomBlock_.empty()
+                          ? "write the first string behind 'Axiom:'"
+                          : "'=' gives a variable its value; a module with a number is written as A(3)");
+      }
+      model_.axiom = axiom.value_or(MappedText{});
     }
     rules_.addDrawing(model_.drawing);
     const std::string start = start_ + rules_.drawVariables() + " " + startBlock_;

@@ -106,7 +106,8 @@ ForeignFile modelOfOtherProgram(std::string_view text) {
   const bool hasRules = holdsWord(text, "==>") || holdsWord(text, "::>");
   if (hasRules && (holdsWord(text, "module ") || holdsWord(text, "public void") || holdsWord(text, "Axiom"))) {
     return {"this is an XL model for GroIMP, and Espalier does not read XL",
-            "write its rules in the language of docs/language.md: 'A(x) --> F(x)[+A(x/2)]' in place of '==>'"};
+            "write its rules in the language of docs/language.md: 'A(x) --> F(x)[+A(x/2)]' in place of '==>'",
+            std::min(text.find("==>"), text.find("::>")), 3};
   }
   if (holdsWord(text, "lpfgall.h") || (declaresTypedModules(text) && !holdsWord(lowered(text), "lsystem:"))) {
     return {"this is an L+C model for lpfg, and Espalier does not read L+C, which needs a C++ compiler",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -9,6 +10,8 @@ namespace espalier::language {
 struct ForeignFile {
   std::string message;  // says what the file is; empty: nothing is recognised
   std::string hint;
+  std::size_t offset = 0;  // of the text that shows it
+  std::size_t length = 1;
 };
 
 /// Recognises pictures, archives, documents and other files without text from the first bytes of a file.

@@ -12,12 +12,14 @@
 #include "engine/language/dialects/textbook/textbook_signs.h"
 #include "engine/language/dialects/textbook/textbook_statements.h"
 #include "engine/language/dialects/textbook/textbook_words.h"
+#include "engine/language/parse/foreign_lines.h"
 
 namespace espalier::language {
 namespace {
 
 constexpr double kMostSteps = 1e6;
 constexpr double kProbabilityTolerance = 0.0101;  // a third may be printed as 0.33
+constexpr const char* kLines = "write 'ω: F', 'p1: F → F+F', 'δ = 60°', 'n = 3', 'd = 1', '#ignore: +-'";
 constexpr std::string_view kShape = "shape ";
 
 class TextbookReader {
@@ -135,7 +137,7 @@ class TextbookReader {
     } else {
       report_.error(statement.offset, statement.text.size(),
                     "expected an axiom, a production or a setting, found '" + shown + "'",
-                    "write 'ω: F', 'p1: F → F+F', 'δ = 60°', 'n = 3', 'd = 1', '#ignore: +-'");
+                    latexCommand(statement.text).empty() ? kLines : latexAdvice(latexCommand(statement.text)));
     }
   }
 
@@ -163,6 +165,10 @@ class TextbookReader {
         list = list.text.starts_with(':') ? list.from(1) : list;
         return addSymbolList(name, list);
       }
+    }
+    if (const std::string advice = directiveAdvice(word.text, text_); !advice.empty()) {
+      return report_.warn(statement.offset, statement.text.size(),
+                          "'" + std::string(statement.text) + "' has no effect in textbook notation", advice);
     }
     if (word.text.starts_with("define")) {
       const TextPiece macro = word.from(std::string_view("define").size()).trimmed();

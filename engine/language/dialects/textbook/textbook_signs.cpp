@@ -107,6 +107,20 @@ void replaceLatex(std::string& text, const TextPiece& line, const LatexCommand& 
   }
 }
 
+// `\omega: F`, `\delta = 90` without dollars
+void readLatexSettings(std::string& text) {
+  for (const TextPiece& line : linesOf(text)) {
+    for (const LatexCommand& command : kLatexSigns) {
+      const TextPiece code = line.trimmed();
+      const TextPiece rest = code.from(std::min(command.name.size(), code.text.size())).trimmed();
+      if (code.text.starts_with(command.name) && findLatex(code.text, command.name) == 0 &&
+          rest.text.find_first_of(":=&") < 2) {
+        replaceLatex(text, code, command);
+      }
+    }
+  }
+}
+
 // `p1: $F \rightarrow FF$`; in a text with such lines, what stands between dollars, too
 void readLatex(std::string& text) {
   const std::vector<TextPiece> lines = linesOf(text);
@@ -369,6 +383,7 @@ std::string plainTextbook(std::string_view text) {
   replaceSigns(plain);
   blankOuterBraces(plain);
   blankSetBraces(plain);
+  readLatexSettings(plain);
   readLatex(plain);
   readFatArrows(plain);
   blankBullets(plain);

@@ -273,4 +273,12 @@ bool isProse(std::string_view text) {
   return blank != std::string_view::npos && longest >= 4 && text.find_first_of("[]{}|+") == std::string_view::npos;
 }
 
+std::string directiveAdvice(std::string_view directive, std::string_view text) {
+  if (directive.starts_with("include \"") || directive.starts_with("include <")) {
+    return "put the lines of the file here";
+  }
+  const bool isConditional = directive.starts_with("if") && text.find("#endif") != std::string_view::npos;
+  return isConditional ? "every line up to '#endif' is read" : std::string();
+}
+
 }  // namespace espalier::language

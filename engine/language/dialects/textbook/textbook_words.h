@@ -47,4 +47,8 @@ namespace espalier::language {
 /// Writes a colon for the word before a condition: `A(x) where x<3 → F`, also `if` and `when`.
 void markConditions(std::string& text);
 
+/// Advice about a line of a preprocessor, which these notations do not have: `directive` is the text behind '#'. Empty:
+/// it is none.
+[[nodiscard]] std::string directiveAdvice(std::string_view directive, std::string_view text);
+
 }  // namespace espalier::language

@@ -35,6 +35,21 @@ TEST(Dialect, LeavesCpfgAlone) {
   EXPECT_EQ(recognised(""), "");
 }
 
+TEST(Dialect, LinesOfThePreprocessorMakeNoForeignTextACpfgModel) {
+  // in these notations the lines are remarks
+  EXPECT_EQ(recognised("#include leaves\nAxiom: F\nproduction:\nF --> FF\n"), "lpy");
+  EXPECT_EQ(recognised("Axiom: F\n#if you want more, write 5\nproduction:\nF --> FF\nendlsystem\n"), "lpy");
+  EXPECT_EQ(recognised("#include \"colours.h\"\naxiom: F\nF -> F+F\nangle: 60\n"), "textbook");
+  // parts of a cpfg model may stand in another file
+  EXPECT_EQ(recognised("#include \"head.h\"\nAxiom: F\nF --> FF\nendlsystem\n"), "");
+  EXPECT_EQ(recognised("#ifdef BIG\n#include \"big.l\"\n#else\n#include \"small.l\"\n#endif\n"), "");
+  // an arrow of XL alone makes no XL model
+  EXPECT_EQ(
+      foreignMessages("Lsystem: 1\nAxiom: A\nA ==> AB\nendlsystem\n"),
+      Messages{"3:3: error: expected '-->' while reading a production, found '==>' | the arrow of a production has "
+               "two strokes"});
+}
+
 TEST(Dialect, FilesOfOtherEditorsAreReadToo) {
   const std::string text = "ω: F\r\nδ = 60°\r\nF → F+F\r\n";
   EXPECT_EQ(cpfgText("\xEF\xBB\xBF" + text), cpfgText(text));
@@ -130,7 +145,7 @@ TEST(Dialect, ModelsOfOtherProgramsAreNamed) {
   EXPECT_EQ(foreignMessages("module A(float len);\npublic void run() [\n A(x) ==> F(x) [RU(30) A(x)];\n]\n")
                 .front()
                 .substr(0, 43),
-            "1:1: error: this is an XL model for GroIMP,");
+            "3:7: error: this is an XL model for GroIMP,");
   EXPECT_EQ(foreignMessages("<!DOCTYPE html>\n<html></html>\n").front().substr(0, 45),
             "1:1: error: this is a web page or another XML");
   EXPECT_EQ(foreignMessages("const koch = new LSystem({\n  axiom: 'F',\n  productions: {'F': 'F-F'}\n})\n")

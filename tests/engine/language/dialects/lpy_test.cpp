@@ -184,5 +184,13 @@ TEST(Lpy, MessagesOfTheCompilerNameTheLpyLine) {
             Messages{"4:1: warning: 'C' never matches: no axiom or successor makes the module C"});
 }
 
+TEST(Lpy, AnAxiomWithoutModulesIsReportedAtItsPlace) {
+  EXPECT_EQ(foreignMessages("# my plant\nAxiom: A = 3\nproduction:\nA --> FA\n"),
+            Messages{"2:8: error: the axiom has no module | '=' gives a variable its value; a module with a number is "
+                     "written as A(3)"});
+  EXPECT_EQ(foreignMessages("# my plant\nAxiom: *\nproduction:\nA --> FA\n"),
+            Messages{"2:8: error: the axiom has no module | write the first string behind 'Axiom:'"});
+}
+
 }  // namespace
 }  // namespace espalier::language::lpy_test

@@ -424,5 +424,27 @@ TEST(Textbook, FormsThatWereReadSilentlyAsSomethingElse) {
             Messages{"3:1: warning: 'δ' is given once more | the last one counts; remove the others"});
 }
 
+TEST(Textbook, SettingsOfLatexAreReadWithoutDollars) {
+  const std::string plain = cpfgText("ω: F\np: F → F+F\nδ = 90\n");
+  ASSERT_FALSE(plain.empty());
+  EXPECT_EQ(cpfgText("\\omega: F\np: F \\rightarrow F+F\n\\delta = 90\n"), plain);
+  EXPECT_EQ(cpfgText("\\omega : F\np: F -> F+F\n\\delta = 90\n"), plain);
+}
+
+TEST(Textbook, LinesOfThePreprocessorAreWarnings) {
+  EXPECT_EQ(
+      foreignMessages("#include \"a.h\"\naxiom: F\n#if BIG\nF -> FF\n#endif\n"),
+      (Messages{"1:1: warning: '#include \"a.h\"' has no effect in textbook notation | put the lines of the file "
+                "here",
+                "3:1: warning: '#if BIG' has no effect in textbook notation | every line up to '#endif' is read"}));
+}
+
+TEST(Textbook, ACommandOfLatexIsNamed) {
+  EXPECT_EQ(
+      foreignMessages("\\begin{align}\nω: F\nF → FF\n"),
+      Messages{"1:1: error: expected an axiom, a production or a setting, found '\\begin{align}' | '\\begin' is a "
+               "command of LaTeX: remove it"});
+}
+
 }  // namespace
 }  // namespace espalier::language::textbook_test
