@@ -356,6 +356,7 @@ void Analyser::analyseProduction(ProductionSyntax& production, Scope& scope) {
   if (production.probability != kNoExpression) {
     resolve(production.probability, scope);
   }
+  production.isLabelled = reportedLabel_ == predecessor_;
 }
 
 void Analyser::warnAboutProbabilities(LSystemSyntax& system) {

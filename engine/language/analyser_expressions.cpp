@@ -206,6 +206,14 @@ void Analyser::reportUnknownName(const ExpressionNode& node, const Scope& scope)
   if (!scope.isProduction() && assignedInProductions_.contains(node.text)) {
     return;
   }
+  if (std::string advice = labelAdvice(text_.substr(predecessor_.begin, predecessor_.end - predecessor_.begin));
+      !advice.empty()) {
+    if (std::exchange(reportedLabel_, predecessor_) != predecessor_) {
+      messages_.warning(node.range, "unknown name '" + node.text + "' in " + describePlace() + ": its value is 0",
+                        std::move(advice));
+    }
+    return;
+  }
   // once is enough
   if (!unknown_.insert(node.text).second) {
     return;
@@ -225,13 +233,6 @@ void Analyser::reportUnknownName(const ExpressionNode& node, const Scope& scope)
   if (!near.empty()) {
     const std::size_t list = near.size() + 17;
     hint[list] = static_cast<char>(hint[list] - 'a' + 'A');
-  }
-  if (std::string advice = labelAdvice(text_.substr(predecessor_.begin, predecessor_.end - predecessor_.begin));
-      !advice.empty()) {
-    if (std::exchange(reportedLabel_, predecessor_) == predecessor_) {
-      return;
-    }
-    hint = std::move(advice);
   }
   messages_.warning(node.range, "unknown name '" + node.text + "' in " + describePlace() + ": its value is 0",
                     std::move(hint));

@@ -150,6 +150,9 @@ class ReachChecks {
       for (const LSystemSyntax& system : model_.systems) {
         for (const List list : lists) {
           for (const ProductionSyntax& production : (system.*list).productions) {
+            if (production.isLabelled) {
+              continue;
+            }
             const bool isPlain = !isPlaceholder(production);
             forFormals(production, [&](const FormalModuleSyntax& module) {
               if ((isPlain || !isMadeBySome) && madeByAny_.contains(module.type) == isMadeBySome &&

@@ -133,6 +133,9 @@ std::string constantAdvice(std::string_view line) {
   } else if (!isPlainNumber(value)) {
     return {};
   }
+  if (inSmallLetters(name) == "seed") {
+    return "write ':' in place of '=', as in seed: " + std::string(value);
+  }
   if (name.empty() || !isIdentifierStart(name[0]) || !std::ranges::all_of(name, isIdentifierPart) || value.empty()) {
     return {};
   }
@@ -185,13 +188,20 @@ std::string latexAdvice(std::string_view command) {
 std::string labelAdvice(std::string_view predecessor) {
   std::string_view rest = predecessor;
   const std::string word = inSmallLetters(predecessor);
+  const auto found = std::ranges::find_if(kHabits, [&](const auto& habit) { return habit.first == word; });
+  if (found != kHabits.end() && found->second == Habit::Drawing) {
+    return adviceOf(Habit::Drawing, {});
+  }
+  if (found != kHabits.end() && found->second == Habit::Productions) {
+    return "productions have no labels: remove '" + std::string(predecessor) + ":'";
+  }
   for (const std::string_view begin : {"production", "prod", "rule", "p", "r"}) {
     if (word.starts_with(begin)) {
       rest.remove_prefix(begin.size());
       break;
     }
   }
-  if (rest.starts_with('_')) {
+  if (rest.starts_with('_') || rest.starts_with(' ')) {
     rest.remove_prefix(1);
   }
   const bool isLabel = rest.size() < predecessor.size() && !rest.empty() && std::ranges::all_of(rest, isDigit);

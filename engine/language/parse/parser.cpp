@@ -238,10 +238,9 @@ void Parser::parseItems(LSystemSyntax& system) {
             "Start each",        "End each"};
         const std::string_view line = lineAt(token.range.begin);
         const std::string_view word = line.substr(0, line.find(':'));
-        // the first letter may be a capital
         std::string lowered(word);
-        if (!lowered.empty() && lowered[0] >= 'A' && lowered[0] <= 'Z') {
-          lowered[0] = static_cast<char>(lowered[0] - 'A' + 'a');
+        for (char& c : lowered) {
+          c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
         }
         const std::string_view near = core::nearestName(lowered, kItems);
         std::string hint = "write the items first, then 'Axiom:', then the productions";
@@ -260,7 +259,10 @@ void Parser::parseItems(LSystemSyntax& system) {
         const auto unmarked = std::ranges::find_if(
             kItems, [&](std::string_view item) { return lowered.starts_with(std::string(item) + " "); });
         if (unmarked != kItems.end()) {
-          hint = "write a ':' behind '" + std::string(line.substr(0, unmarked->size())) + "'";
+          const std::size_t next = line.find_first_not_of(" \t", unmarked->size());
+          hint = (next != std::string_view::npos && line[next] == '=' ? "write ':' in place of '=' behind '"
+                                                                      : "write a ':' behind '") +
+                 std::string(line.substr(0, unmarked->size())) + "'";
         }
         if (std::string continued = continuationHint(token.range.begin); !continued.empty()) {
           hint = std::move(continued);
@@ -283,6 +285,13 @@ void Parser::parseAxiom(LSystemSyntax& system) {
     return;
   }
   const Token& token = lexer_.peekSymbol();
+  const auto text = [this](const ModuleSyntax& module) {
+    return lexer_.text().substr(module.range.begin, module.range.end - module.range.begin);
+  };
+  if (system.axiom.size() > 2 && text(system.axiom.front()) == "\"" && text(system.axiom.back()) == "\"") {
+    messages_.warning(system.axiom.front().range, "the quotation marks are read as modules of the axiom",
+                      "modules are written without quotes");
+  }
   if (system.axiom.empty()) {
     expected("a module", token);
     recover();
@@ -302,7 +311,10 @@ void Parser::parseSectionHead(ProductionListSyntax& list) {
     list.warns = token.keyword == Keyword::Warnings;
     lexer_.advance();
   }
-  if (!expectLineEnd(lexer_.peekSymbol())) {
+  if (lexer_.peekSymbol().kind == TokenKind::Symbol) {
+    expected("the end of the line", lexer_.peekSymbol(), "the productions begin on the next line");
+    recover();
+  } else if (!expectLineEnd(lexer_.peekSymbol())) {
     recover();
   }
 }

@@ -15,7 +15,7 @@ namespace espalier::language {
 namespace {
 
 // characters that editors put in the place of ASCII characters, and the advice for each
-constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kLookalikes{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 21> kLookalikes{{
     {"\xE2\x89\xA4", "write '<='"},
     {"\xE2\x89\xA5", "write '>='"},
     {"\xE2\x89\xA0", "write '!='"},
@@ -32,6 +32,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kLookali
     {"\xE2\x80\x99", "write the straight quote of the keyboard"},
     {"\xC2\xB0", "angles are always in degrees: remove the sign"},
     {"\xC2\xA0", "this is a no-break space, which looks like a blank: type the blank again"},
+    {"\xE2\x80\x8B", "this is an invisible character, a blank of width 0: delete it"},
     {"\xC2\xB2", "write the square as '^2'"},
     {"\xC2\xB3", "write the cube as '^3'"},
     {"\xCF\x80", "write pi"},
@@ -117,7 +118,11 @@ std::string Parser::adviceFor(const Token& token) const {
       return reading_ == "a production" && isDigit(before) && isDigit(lexer_.text()[productionBegin_])
                  ? "productions have no numbers: remove '" +
                        std::string(lexer_.text().substr(productionBegin_, token.range.end - productionBegin_)) + "'"
-                 : std::string();
+             : reading_ == "a production" ? "no '(' is open here"
+                                          : std::string();
+    case TokenKind::Semicolon:
+      return reading_.ends_with(":'") && reading_ != "'define:'" ? "no ';' stands at the end of the line"
+                                                                 : std::string();
     case TokenKind::Assign:
       if (before == ':') {
         return "the arrow of a production is '-->'";
@@ -140,6 +145,8 @@ std::string Parser::adviceFor(const Token& token) const {
       return token.text == "and"                                ? "write '&&'"
              : token.text == "or"                               ? "write '||'"
              : token.text == "not"                              ? "write '!'"
+             : token.text == "is"                               ? "write '=='"
+             : token.text == "mod"                              ? "the remainder of a division is written as x % 2"
              : token.text == "if" && reading_ == "a production" ? "a condition follows ':', as in A(x) : x > 1 --> B"
              : token.text == "if" && reading_ == "the condition"
                  ? "the condition stands without the word 'if', as in A(x) : x > 1 --> B"

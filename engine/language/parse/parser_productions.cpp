@@ -66,8 +66,8 @@ std::string Parser::productionHint(std::uint32_t begin) const {
     }
   }
   std::string continued = continuationHint(begin);
-  return continued.empty() && line.find('>') == std::string_view::npos ? "a production is written as A --> AB"
-                                                                       : continued;
+  return continued.empty() && line.find("-->") == std::string_view::npos ? "a production is written as A --> AB"
+                                                                         : continued;
 }
 
 /// Reports a line that cannot be a production: it starts with blanks instead of a TAB, or with a misspelt section word.
@@ -132,7 +132,10 @@ bool Parser::expectedArrow(std::string_view what, const Token& token, std::uint3
     const std::size_t first = arrow > 0 && line[arrow] == '=' && line[arrow - 1] == '=' ? arrow - 1 : arrow;
     misspelt.text = std::string(line.substr(first, arrow + 2 - first));
     misspelt.range = {begin + static_cast<std::uint32_t>(first), begin + static_cast<std::uint32_t>(arrow) + 2};
-    return expected("'-->'", misspelt, "the arrow of a production has two strokes");
+    const bool isMarkup = line.substr(first).starts_with("--&gt;");
+    return expected(
+        "'-->'", misspelt,
+        isMarkup ? "'&gt;' is how web pages write '>': write '-->'" : "the arrow of a production has two strokes");
   }
   // `A \rightarrow AB`
   for (std::size_t at = line.find('\\'); at != std::string_view::npos; at = line.find('\\', at + 1)) {

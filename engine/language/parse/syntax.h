@@ -109,6 +109,7 @@ struct ProductionSyntax {
   // set by the analyser
   std::uint16_t slotCount = 0;
   bool usesFileScan = false;
+  bool isLabelled = false;  // its label was read as its predecessor: the message is enough
 };
 
 struct ProductionListSyntax {

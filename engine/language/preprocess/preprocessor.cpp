@@ -329,7 +329,10 @@ class Preprocessor {
   void unknownDirective(std::uint32_t file, const LogicalLine& line, const std::string& name, std::size_t length) {
     static const std::vector<std::string_view> kNames{"define", "undef", "include", "if",    "ifdef", "ifndef",
                                                       "elif",   "else",  "endif",   "error", "line",  "pragma"};
-    const std::string_view near = core::nearestName(name, kNames);
+    std::string small(name);
+    std::ranges::transform(small, small.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    const std::string_view near = core::nearestName(small, kNames);
     error(file, line.offsetOf(0), length,
           "expected a directive after '#', found '" + line.text.substr(1, std::max<std::size_t>(length, 2) - 1) + "'",
           !name.empty() && !near.empty() ? "did you mean '#" + std::string(near) + "'?"

@@ -109,7 +109,12 @@ TEST(ForeignLines, LabelsOfProductionsAreNamed) {
   EXPECT_EQ(messagesOf(model("p1: A(n) : n > 1 --> A(n + 1)")),
             Messages{"3:10: error: expected '-->' while reading the condition of p1, found ':'" + advice});
   const Messages plain = messagesOf(model("p1: A --> AB", "A"));
-  EXPECT_EQ(plain.back(), "3:5: warning: unknown name 'A' in the condition of p1: its value is 0" + advice);
+  EXPECT_EQ(plain, Messages{"3:5: warning: unknown name 'A' in the condition of p1: its value is 0" + advice});
+  EXPECT_EQ(messagesOf(model("interpretation: A --> AB", "A")),
+            Messages{"3:17: warning: unknown name 'A' in the condition of interpretation: its value is 0 | the "
+                     "productions for the drawing follow the heading 'homomorphism:'"});
+  EXPECT_EQ(labelAdvice("Rule 1"), "productions have no labels: remove 'Rule 1:'");
+  EXPECT_EQ(labelAdvice("production"), "productions have no labels: remove 'production:'");
   EXPECT_EQ(labelAdvice("rule_12"), "productions have no labels: remove 'rule_12:'");
   EXPECT_EQ(labelAdvice("P"), "");
   EXPECT_EQ(labelAdvice("A1"), "");
@@ -192,6 +197,41 @@ TEST(ForeignLines, SignsOfPrintAndPrefixesAreNamed) {
   EXPECT_EQ(messagesOf(model("A(x) --> A(30\u00B0)")),
             Messages{"3:14: error: expected ',' or ')' while reading the successor of A(x), found the character "
                      "'\u00B0', which is not 7-bit ASCII | angles are always in degrees: remove the sign"});
+}
+
+TEST(ForeignLines, FurtherSlipsAreNamed) {
+  const auto only = [](const std::string& text) { return messagesOf(model(text)); };
+  EXPECT_EQ(
+      only("A(x) : x mod 2 == 0 --> A(x)"),
+      Messages{"3:10: error: expected '-->' while reading the condition of A(x), found 'mod' | the remainder of a "
+               "division is written as x % 2"});
+  EXPECT_EQ(only("A(x) : x is 2 --> A(x)"),
+            Messages{"3:10: error: expected '-->' while reading the condition of A(x), found 'is' | write '=='"});
+  EXPECT_EQ(only("A(x) --&gt; A(x)"), Messages{"3:6: error: expected '-->' while reading a production, found '--' | "
+                                               "'&gt;' is how web pages write '>': write '-->'"});
+  EXPECT_EQ(only("A(x)) --> A(x)"),
+            Messages{"3:5: error: expected '-->' while reading a production, found ')' | no '(' is open here"});
+  EXPECT_EQ(only("A(x) --> A(x)\nhomomorphism: A(x) --> F"),
+            Messages{"4:15: error: expected the end of the line while reading the homomorphism, found 'A' | the "
+                     "productions begin on the next line"});
+  EXPECT_EQ(only("A(x) --> A(x)\u200B"),
+            Messages{"3:14: error: expected a module, ':' or the end of the line while reading the successor of A(x), "
+                     "found the character '\u200B', which is not 7-bit ASCII | this is an invisible character, a blank "
+                     "of width 0: delete it"});
+  EXPECT_EQ(messagesOf(model("A(x) --> A(x)", "\"A(1)\"")),
+            Messages{"2:8: warning: the quotation marks are read as modules of the axiom | modules are written without "
+                     "quotes"});
+  const std::string begin =
+      "2:1: error: expected an item or 'Axiom:' while reading the items of the L-system 1, found ";
+  EXPECT_EQ(item("seed = 3"), Messages{begin + "'seed' | write ':' in place of '=', as in seed: 3"});
+  EXPECT_EQ(item("derivation length = 5"),
+            Messages{begin + "'d' | write ':' in place of '=' behind 'derivation length'"});
+  EXPECT_EQ(item("DERIVATION LENGTH: 5"), Messages{begin + "'DERIVATION LENGTH' | did you mean 'derivation length:'?"});
+  EXPECT_EQ(item("derivation length: 5;"),
+            Messages{"2:21: error: expected the end of the line while reading 'derivation length:', found ';' | no ';' "
+                     "stands at the end of the line"});
+  EXPECT_EQ(messagesOf("#DEFINE r 2\n" + model("A(x) --> A(x)")),
+            Messages{"1:1: error: expected a directive after '#', found 'DEFINE' | did you mean '#define'?"});
 }
 
 TEST(ForeignLines, LinesAtTheEdgesOfAnLSystemAreNamed) {

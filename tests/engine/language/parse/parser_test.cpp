@@ -442,7 +442,8 @@ TEST(Parser, MistakesOfSections) {
                       "keyword 'Axiom:' | "
                       "an L-system has one axiom",
                       "7:1: error: the decomposition must stand before the homomorphism",
-                      "7:15: error: expected the end of the line while reading the decomposition, found 'x'",
+                      "7:15: error: expected the end of the line while reading the decomposition, found 'x' | the "
+                      "productions begin on the next line",
                       "9:1: error: the homomorphism appears twice in one L-system | put its productions together"}));
   EXPECT_EQ(
       messagesOf("Lsystem: 1\nStart: {a = 1;}\nStart: {a = 1;}\nAxiom: A\nA --> B\ndecomposition\nhomomorphism\nA --> "
