@@ -352,6 +352,26 @@ TEST_F(Cli, ConfigurationMistakesNameTheFile) {
   EXPECT_TRUE(contains(result.errors, "radios")) << result.errors;
 }
 
+TEST_F(Cli, MistakesOfAWorldAndAForestHaveTheirPlaces) {
+  folder_.write("up.l", kHeight);
+  const auto error = [&](const std::string& file, const std::string& json, const std::string& arguments) {
+    folder_.write(file, json);
+    return run(arguments).errors;
+  };
+  const std::string world = "derive up.l --world w.json";
+  EXPECT_EQ(error("w.json", "{\n  \"latitude\": 49, \"start\": \"2020\\\"-01\",\n  \"upp\": [0, 0, 1]\n}\n", world),
+            "error: w.json:3:3: upp: this key is not known; did you mean 'up'? There are lengthUnit, up, north, "
+            "stepDuration, latitude, longitude, start, baseTemperature, weather\n");
+  EXPECT_EQ(error("w.json", "{\"weather\": \"\u017E.csv\", \"up\": \"z\"}", world),
+            "error: w.json:1:22: up: expected three numbers such as [0, 0, 1], found \"z\"\n");
+  EXPECT_TRUE(
+      error("f.json",
+            "{\"models\": [{\"name\": \"a\", \"file\": \"up.l\"}],\n \"plants\": [{\"position\": [0, 0, 0]},\n  "
+            "{\"positon\": [1, 0, 0]}]}",
+            "derive f.json")
+          .starts_with("error: f.json:3:4: plants[1].positon: this key is not known; did you mean 'position'?"));
+}
+
 TEST_F(Cli, AnEnvironmentThatIsAwayStopsTheRun) {
   folder_.write("up.l", kHeight);
   const ProgramRun result = run("derive up.l --environment tcp://127.0.0.1:1");

@@ -175,7 +175,7 @@ std::optional<ChosenWorld> worldOfSweep(const Prepared& prepared, const SweepOpt
   core::MemoryFileProvider memory;
   const std::string name = prepared.file + ": world";
   memory.add(name, plan.world);
-  auto record = decodeJsonFile(name, "world", memory, protocol::decodeWorld);
+  auto record = decodeJsonFile(name, "world", memory, protocol::decodeWorld, false);
   const auto complete = record ? completeRecord(std::move(*record), prepared.file, options, files) : std::nullopt;
   auto world = complete ? worldOf(*complete, name) : std::nullopt;
   return world ? std::optional(ChosenWorld{std::move(*world), worldText(*complete)}) : std::nullopt;
