@@ -149,6 +149,12 @@ TEST_F(Cli, AFileOfNoDialectIsNotConverted) {
   EXPECT_EQ(unknown.status, 1);
   EXPECT_EQ(unknown.output, "");
   EXPECT_TRUE(contains(unknown.errors, "'words.txt' is a model of no dialect that is known")) << unknown.errors;
+  // a line of the preprocessor alone makes no model
+  folder_.write("notes.txt", "#include \"none.h\"\nhello world\n");
+  const ProgramRun notes = run("convert notes.txt --to cpfg");
+  EXPECT_EQ(notes.status, 1);
+  EXPECT_EQ(notes.output, "");
+  EXPECT_TRUE(contains(notes.errors, "notes.txt:1:10: error: cannot read the included file 'none.h'")) << notes.errors;
   const std::string model = "Lsystem: 1\nderivation length: 1\nAxiom: A\nA --> FA\nendlsystem\n";
   folder_.write("own.l", model);
   const ProgramRun own = run("convert own.l --to cpfg");

@@ -37,7 +37,7 @@ int convert(const ConvertOptions& options) {
   if (!translated) {
     // the file is a cpfg model, or every command reads it as one
     const language::CompileResult compiled = language::compile(input, files);
-    const bool isAnyModel = compiled.program != nullptr || language::looksLikeCpfg(*text);
+    const bool isAnyModel = compiled.program != nullptr || language::hasLsystem(*text);
     if (!isAnyModel) {
       printDiagnostics(compiled.diagnostics.entries(), options.isQuiet);
       printError("'" + file + "' is a model of no dialect that is known, and nothing was converted: give --dialect");

@@ -70,6 +70,19 @@ bool hasCpfgLine(std::string_view text, CpfgLine kind) {
   return false;
 }
 
+// whether the keywords of a text are those of a cpfg model
+bool looksLikeCpfg(std::string_view text) {
+  if (hasLsystem(text)) {
+    return true;
+  }
+  // a line of the preprocessor can bring the keyword from another file; in other notations it is a remark
+  if (!hasCpfgLine(text, CpfgLine::Directive)) {
+    return false;
+  }
+  return (hasCpfgLine(text, CpfgLine::Endlsystem) && !recognisesLpy(text)) ||
+         std::ranges::none_of(kDialects, [&](const Dialect& dialect) { return dialect.recognises(text); });
+}
+
 // the asked dialect, or the first that recognises a text; null: cpfg, or none of that name
 const Dialect* dialectOf(std::string_view asked, std::string_view text) {
   if (asked == kCpfgDialect || (asked.empty() && looksLikeCpfg(text))) {
@@ -128,16 +141,8 @@ std::vector<std::string_view> dialectNames() {
   return names;
 }
 
-bool looksLikeCpfg(std::string_view text) {
-  if (hasCpfgLine(text, CpfgLine::Lsystem)) {
-    return true;
-  }
-  // a line of the preprocessor can bring the keyword from another file; in other notations it is a remark
-  if (!hasCpfgLine(text, CpfgLine::Directive)) {
-    return false;
-  }
-  return (hasCpfgLine(text, CpfgLine::Endlsystem) && !recognisesLpy(text)) ||
-         std::ranges::none_of(kDialects, [&](const Dialect& dialect) { return dialect.recognises(text); });
+bool hasLsystem(std::string_view text) {
+  return hasCpfgLine(text, CpfgLine::Lsystem);
 }
 
 NamedEntry splitEntry(const std::string& name, core::FileProvider& files) {
@@ -183,7 +188,7 @@ std::optional<TranslatedModel> translateForeign(const CompileInput& input, core:
   translated.foreign = {named.file, noText.message.empty() ? foreignText(*text) : std::string{}};
   const std::string& foreign = translated.foreign.text;
   const bool isAsked = !input.dialect.empty();
-  const bool isOther = noText.message.empty() && !isAsked && !hasCpfgLine(foreign, CpfgLine::Lsystem);
+  const bool isOther = noText.message.empty() && !isAsked && !hasLsystem(foreign);
   const ForeignFile other = isOther ? modelOfOtherProgram(foreign) : noText;
   if (!other.message.empty()) {
     DialectReport(translated.foreign, translated.diagnostics)

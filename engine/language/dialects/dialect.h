@@ -40,8 +40,8 @@ inline constexpr std::string_view kCpfgDialect = "cpfg";
 /// cpfg and all others.
 [[nodiscard]] std::vector<std::string_view> dialectNames();
 
-/// Whether the keywords of a text are those of a cpfg model.
-[[nodiscard]] bool looksLikeCpfg(std::string_view text);
+/// Whether a line of a text begins with `Lsystem:`, so that it is a cpfg model, perhaps with mistakes.
+[[nodiscard]] bool hasLsystem(std::string_view text);
 
 /// A file of a foreign dialect and its translation.
 struct TranslatedModel {
