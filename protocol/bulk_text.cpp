@@ -410,9 +410,7 @@ std::optional<Message> BulkTextReader::read(std::string_view line) {
 }
 
 void BulkTextReader::rest() {
-  if (parser_ != nullptr && parser_->parser.capacity() > kIdleBytes) {
-    parser_.reset();
-  }
+  parser_.reset();
 }
 
 }  // namespace espalier::protocol

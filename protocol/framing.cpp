@@ -23,7 +23,7 @@ void LineSplitter::dropReturned() {
 
 void LineSplitter::rest() {
   dropReturned();
-  if (buffer_.capacity() > BulkTextReader::kIdleBytes && buffer_.size() < buffer_.capacity() / 4) {
+  if (buffer_.capacity() > kIdleBytes && buffer_.size() < buffer_.capacity() / 4) {
     buffer_.shrink_to_fit();
   }
 }

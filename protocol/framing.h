@@ -20,6 +20,9 @@ namespace espalier::protocol {
 ///     if (splitter.isOverflowed()) { close }
 class LineSplitter {
  public:
+  /// An idle side keeps no more memory of its lines.
+  static constexpr std::size_t kIdleBytes = 16'384;
+
   explicit LineSplitter(std::size_t maximumLineBytes) : maximumLineBytes_(maximumLineBytes) {}
 
   /// Appends received bytes. Views returned by next() become invalid.
@@ -43,7 +46,7 @@ class LineSplitter {
   /// next().
   [[nodiscard]] std::size_t take(char* target, std::size_t count);
 
-  /// The caller is done with what next() returned: memory of one long line is not kept.
+  /// The caller is done with what next() returned: no more memory than kIdleBytes is kept for lines that are gone.
   void rest();
   /// Whether the end of the stream now would cut a line.
   [[nodiscard]] bool hasPartialLine() const { return begin_ < buffer_.size(); }
@@ -80,7 +83,7 @@ class MessageReader {
   /// The next complete message, or nothing when there is none.
   [[nodiscard]] std::optional<Read> next();
   void allowBlocks() { areBlocksAllowed_ = true; }
-  /// Gives back the memory of one long message. For a side that may now be silent for long.
+  /// Gives back the memory of messages that are gone. For a side that may now be silent for long.
   void rest() {
     lines_.rest();
     bulk_.rest();

@@ -2,10 +2,11 @@
 
 #include <sys/socket.h>
 
-#include <array>
+#include <algorithm>
 #include <boost/asio/ssl.hpp>
 
 #include "server/network/peer_connection.h"
+#include "server/running/turn_meter.h"
 
 namespace espalier::server {
 
@@ -30,7 +31,7 @@ class StreamConnection final : public PeerConnection {
   }
 
   asio::awaitable<bool> receive() override {
-    const auto [error, count] = co_await stream_.async_read_some(asio::buffer(*bytes_), kAsTuple);
+    const auto [error, count] = co_await stream_.async_read_some(asio::buffer(bytes_.get(), room_), kAsTuple);
     if (error == asio::error::eof) {
       noteEnd();
     }
@@ -41,7 +42,8 @@ class StreamConnection final : public PeerConnection {
     if (!isReading()) {
       co_return true;
     }
-    reader_.feed({bytes_->data(), count});
+    reader_.feed({bytes_.get(), count});
+    const std::size_t held = reader_.heldBytes();
     beginTurn();
     while (isReading() && !reader_.lost()) {
       const std::size_t bytes = reader_.nextLineBytes();
@@ -63,8 +65,11 @@ class StreamConnection final : public PeerConnection {
       lose(*reader_.lost());
     }
     reader_.rest();
-    if (!hold(reader_.heldBytes())) {
+    noteFreed(held - std::min(held, reader_.heldBytes()));
+    setRoom(reader_.hasPartialMessage() && count >= kIdleRoom ? kMostRoom : kIdleRoom);
+    if (!hold(reader_.heldBytes() + room_ - kIdleRoom)) {
       reader_ = protocol::MessageReader(frameLimits());
+      setRoom(kIdleRoom);
     }
     co_return true;
   }
@@ -104,6 +109,9 @@ class StreamConnection final : public PeerConnection {
 
  private:
   static constexpr std::size_t kIdleBuffers = 1'000;
+  // what one read may bring: little from a silent peer, of which there may be thousands, and much of a long message
+  static constexpr std::size_t kIdleRoom = 16'384;
+  static constexpr std::size_t kMostRoom = 262'144;
   static constexpr bool kIsEncrypted = requires(Stream & stream) { stream.next_layer(); };
 
   /// After hello the peer may send more.
@@ -116,12 +124,21 @@ class StreamConnection final : public PeerConnection {
     }
   }
 
+  /// Makes room for what the next read may bring.
+  void setRoom(std::size_t bytes) {
+    if (bytes != room_) {
+      bytes_ = std::make_unique_for_overwrite<char[]>(bytes);
+      room_ = bytes;
+    }
+  }
+
   auto& lowest() { return stream_.lowest_layer(); }
 
   Stream stream_;
   const int socket_;  // of stream_, until that is closed
   protocol::MessageReader reader_;
-  std::unique_ptr<std::array<char, 262'144>> bytes_ = std::make_unique_for_overwrite<std::array<char, 262'144>>();
+  std::size_t room_ = kIdleRoom;  // of bytes_
+  std::unique_ptr<char[]> bytes_ = std::make_unique_for_overwrite<char[]>(kIdleRoom);
   std::vector<asio::const_buffer> buffers_;
 };
 

@@ -69,10 +69,10 @@ class Hostile(unittest.TestCase):
 
     # ---- peers ----
 
-    def assert_idle_peers_cost_little(self, message: bytes) -> None:
+    def assert_idle_peers_cost_little(self, message: bytes, count: int = 4) -> None:
         server = self.serve()
         before = resident_bytes(server.process_id)
-        for _ in range(4):
+        for _ in range(count):
             peer = self.peer(server)
             peer.send(message)
             self.assertEqual(peer.read()["id"], 7)
@@ -88,6 +88,10 @@ class Hostile(unittest.TestCase):
     def test_an_idle_connection_keeps_no_memory_of_a_step_of_an_environment(self) -> None:
         self.assert_idle_peers_cost_little(
             b'{"jsonrpc":"2.0","id":7,"method":"environment.step","params":{"queries":[' + b"1," * 10_000_000 + b"1]}}\n")
+
+    def test_many_idle_connections_keep_no_memory_of_messages_that_are_not_large(self) -> None:
+        self.assert_idle_peers_cost_little(
+            b'{"jsonrpc":"2.0","id":7,"method":"environment.step","params":{"queries":[' + b"1," * 400_000 + b"1]}}\n", 100)
 
     def test_an_idle_connection_keeps_no_memory_of_answers_that_it_read_late(self) -> None:
         server = self.serve()
