@@ -15,6 +15,13 @@ struct ChannelLink::Transport {
         reader(limits) {}
   ~Transport() { channel.closeOutput(); }
 
+  /// Gives back the memory of messages that are gone: the next question may come late.
+  void rest() {
+    channel.rest();
+    reader.rest();
+    received = std::string();
+  }
+
   // the channel closes first, so that the child reads the end of its input before it is waited for
   std::unique_ptr<ChildProcess> child;  // null: a connection
   LineChannel channel;
@@ -172,6 +179,8 @@ LinkOutcome ChannelLink::call(std::string_view method, const protocol::Body& par
       (outcome.error().kind == LinkFailure::Kind::Closed || outcome.error().kind == LinkFailure::Kind::Garbage)) {
     const std::lock_guard lock(mutex_);
     transport_.reset();
+  } else if (transport_ != nullptr) {
+    transport_->rest();
   }
   return outcome;
 }
@@ -190,6 +199,7 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
     return tl::unexpected(failureOf(status, timeout));
   }
   protocol::MessageReader& reader = transport_->reader;
+  bool isOver = false;
   while (true) {
     auto read = reader.next();
     if (!read) {
@@ -197,6 +207,11 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
         return tl::unexpected(LinkFailure{
             LinkFailure::Kind::Garbage, "sent a message that cannot be read: " + reader.lost()->message, {}});
       }
+      // also for a peer that sends other messages without an end; those that are there are looked at once more
+      if (isOver) {
+        return tl::unexpected(failureOf(LineChannel::Status::Timeout, timeout));
+      }
+      isOver = std::chrono::steady_clock::now() >= deadline;
       if (const auto status = channel.receive(transport_->received, deadline); status != LineChannel::Status::Done) {
         return tl::unexpected(failureOf(status, timeout));
       }

@@ -21,6 +21,8 @@ namespace espalier::server {
 namespace {
 
 constexpr int kKeepAliveSeconds = 15;  // of silence, and between probes
+// what a peer sends while we write to it: more than answers to one question take
+constexpr std::size_t kMostUnread = 64'000'000;
 
 int millisecondsUntil(Deadline deadline) {
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
@@ -70,8 +72,9 @@ LineChannel::LineChannel(Descriptor input, Descriptor output, std::size_t maximu
   }
 }
 
-LineChannel::Status LineChannel::wait(bool wantsWrite, Deadline deadline, bool& canRead, bool& canWrite) {
-  std::array<pollfd, 3> polled{pollfd{isInputEnded_ ? -1 : input_.number(), POLLIN, 0},
+LineChannel::Status LineChannel::wait(bool wantsRead, bool wantsWrite, Deadline deadline, bool& canRead,
+                                      bool& canWrite) {
+  std::array<pollfd, 3> polled{pollfd{isInputEnded_ || !wantsRead ? -1 : input_.number(), POLLIN, 0},
                                pollfd{wantsWrite ? outputNumber() : -1, POLLOUT, 0},
                                pollfd{wakeUp_.number(), POLLIN, 0}};
   const int count = ::poll(polled.data(), polled.size(), millisecondsUntil(deadline));
@@ -115,10 +118,14 @@ LineChannel::Status LineChannel::write(std::string_view bytes, Deadline deadline
     if (count < 0 && errno != EAGAIN && errno != EINTR) {
       return Status::Closed;
     }
-    // the peer may itself be waiting until we read
+    if (std::chrono::steady_clock::now() >= deadline) {
+      return Status::Timeout;
+    }
+    // the peer may itself be waiting until we read; one that only sends is not read without an end
     bool canRead = false;
     bool canWrite = false;
-    if (const Status status = wait(true, deadline, canRead, canWrite); status != Status::Done) {
+    const bool wantsRead = received_.size() < kMostUnread;
+    if (const Status status = wait(wantsRead, true, deadline, canRead, canWrite); status != Status::Done) {
       return status;
     }
     if (canRead && !isInputEnded_) {
@@ -135,7 +142,7 @@ LineChannel::Status LineChannel::receive(std::string& bytes, Deadline deadline) 
     }
     bool canRead = false;
     bool canWrite = false;
-    if (const Status status = wait(false, deadline, canRead, canWrite); status != Status::Done) {
+    if (const Status status = wait(true, false, deadline, canRead, canWrite); status != Status::Done) {
       return status;
     }
     if (canRead) {
@@ -149,7 +156,7 @@ LineChannel::Status LineChannel::receive(std::string& bytes, Deadline deadline) 
 
 LineChannel::Status LineChannel::readLine(std::string& line, Deadline deadline) {
   std::string bytes;
-  while (true) {
+  for (bool isOver = false;; isOver = std::chrono::steady_clock::now() >= deadline) {
     const std::string_view next = splitter_.next();
     if (next.data() != nullptr) {
       line.assign(next);
@@ -158,11 +165,21 @@ LineChannel::Status LineChannel::readLine(std::string& line, Deadline deadline) 
     if (splitter_.isOverflowed()) {
       return Status::Overflow;
     }
+    if (isOver) {
+      return Status::Timeout;
+    }
     if (const Status status = receive(bytes, deadline); status != Status::Done) {
       return status;
     }
     splitter_.feed(bytes);
   }
+}
+
+void LineChannel::rest() {
+  if (received_.empty()) {
+    received_.shrink_to_fit();
+  }
+  splitter_.rest();
 }
 
 void LineChannel::interrupt() {

@@ -34,7 +34,8 @@ class Descriptor {
 };
 
 /// Bytes to and from another process over two descriptors, or over one socket. The calling thread waits. Everything has
-/// a deadline. Writing reads too, so two sides that write at once do not block each other. Writing raises no SIGPIPE.
+/// a deadline, also when the peer sends without an end. Writing reads too, up to 64 MB, so two sides that write at once
+/// do not block each other. Writing raises no SIGPIPE.
 class LineChannel {
  public:
   enum class Status : std::uint8_t { Done, Timeout, Closed, Interrupted, Overflow };
@@ -42,10 +43,12 @@ class LineChannel {
   LineChannel(Descriptor input, Descriptor output, std::size_t maximumLineBytes);
 
   [[nodiscard]] Status write(std::string_view bytes, Deadline deadline);
-  /// Replaces `bytes` by received bytes, at least one.
+  /// Replaces `bytes` by received bytes, at least one. Bytes that are there are received even after the deadline.
   [[nodiscard]] Status receive(std::string& bytes, Deadline deadline);
   /// The next line. Not together with receive().
   [[nodiscard]] Status readLine(std::string& line, Deadline deadline);
+  /// Gives back memory. For a caller that may not use the channel for long.
+  void rest();
   /// From any thread: a write or readLine that waits now ends with Interrupted.
   void interrupt();
   /// Forgets an interruption that came between two calls.
@@ -55,7 +58,7 @@ class LineChannel {
 
  private:
   /// Waits for the descriptors; Done when something can be done.
-  [[nodiscard]] Status wait(bool wantsWrite, Deadline deadline, bool& canRead, bool& canWrite);
+  [[nodiscard]] Status wait(bool wantsRead, bool wantsWrite, Deadline deadline, bool& canRead, bool& canWrite);
   [[nodiscard]] Status readAvailable();
   [[nodiscard]] int outputNumber() const { return output_.number() >= 0 ? output_.number() : input_.number(); }
 

@@ -161,5 +161,30 @@ TEST(ChannelLink, AnAnswerThatComesTooLateIsNotTakenForTheNextOne) {
   peer.join();
 }
 
+TEST(ChannelLink, APeerThatSendsOtherMessagesWithoutAnEndIsLate) {
+  const PeerSocket socket;
+  for (const char* other : {R"({"jsonrpc":"2.0","method":"note"})", R"({"jsonrpc":"2.0","id":"s0","result":{}})", ""}) {
+    auto link = linkTo(socket);
+    std::thread peer([&socket, other] {
+      const auto channel = socket.accept();
+      greet(*channel);
+      std::string flood;
+      while (flood.size() < 100'000) {
+        flood += std::string(other) + "\n";
+      }
+      while (channel->write(flood, soon()) == LineChannel::Status::Done) {
+      }
+    });
+    const auto outcome = link->call("environment.step", "{}", 100ms);
+    EXPECT_FALSE(outcome.has_value());
+    if (!outcome) {
+      EXPECT_EQ(outcome.error().kind, LinkFailure::Kind::Timeout) << other;
+      EXPECT_EQ(outcome.error().message, "did not answer within 100 ms");
+    }
+    link.reset();
+    peer.join();
+  }
+}
+
 }  // namespace
 }  // namespace espalier::server::channel_link_test

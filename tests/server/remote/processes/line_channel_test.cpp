@@ -82,6 +82,47 @@ TEST(LineChannel, ALineBeyondTheLimitIsAnOverflow) {
   EXPECT_EQ(narrow.readLine(line, in(std::chrono::seconds(5))), Status::Overflow);
 }
 
+/// A thread that writes the same bytes into a socket until the other end is closed.
+class Flood {
+ public:
+  Flood(int descriptor, const std::string& bytes)
+      : thread_([this, descriptor, bytes] {
+          const Descriptor socket(descriptor);
+          ssize_t count = 0;
+          while ((count = ::send(socket.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL)) > 0) {
+            sent_ += static_cast<std::size_t>(count);
+          }
+        }) {}
+  /// How much the other end has taken. Only when that is closed.
+  std::size_t end() {
+    thread_.join();
+    return sent_;
+  }
+
+ private:
+  std::size_t sent_ = 0;
+  std::thread thread_;
+};
+
+TEST(LineChannel, APeerThatSendsEmptyLinesWithoutAnEndIsLate) {
+  const auto ends = Pair::descriptors();
+  auto channel = std::make_unique<LineChannel>(Descriptor(ends[0]), Descriptor(), 1'000);
+  Flood flood(ends[1], std::string(10'000, '\n'));
+  std::string line;
+  EXPECT_EQ(channel->readLine(line, in(std::chrono::milliseconds(100))), Status::Timeout);
+  channel.reset();
+  flood.end();
+}
+
+TEST(LineChannel, APeerThatSendsAndDoesNotReadFillsNoMemory) {
+  const auto ends = Pair::descriptors();
+  auto channel = std::make_unique<LineChannel>(Descriptor(ends[0]), Descriptor(), 1'000);
+  Flood flood(ends[1], std::string(1'000'000, 'x'));
+  EXPECT_EQ(channel->write(std::string(10'000'000, 'y'), in(std::chrono::seconds(1))), Status::Timeout);
+  channel.reset();
+  EXPECT_LT(flood.end(), 70'000'000U);
+}
+
 TEST(LineChannel, AddressesAreHostAndPort) {
   std::string host;
   std::uint16_t port = 0;
