@@ -7,11 +7,13 @@ step 2, and goes on from it to the string of an undisturbed run once the environ
 import socket
 import subprocess
 import tempfile
+import time
 import unittest
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Dict
 
+from soak import resident_bytes
 from support import SECONDS, Process, espalier, model, program, python, stdio
 
 from espalier import Server
@@ -147,6 +149,25 @@ class Failures(unittest.TestCase):
             model = str(self.folder / "model.l")
             self.assertEqual(espalier("derive", model, "--environment", f"tcp://{served.address}").stdout,
                              espalier("derive", model, "--environment", "height").stdout)
+
+    def test_an_idle_connection_keeps_no_memory_of_its_largest_message(self) -> None:
+        served = Process([program(), "environment", "height", "--listen", "127.0.0.1:0"])
+        self.addCleanup(served.stop)
+        host, port = served.address.rsplit(":", 1)
+        before = resident_bytes(served.process.pid)
+        with ExitStack() as stack:
+            for _ in range(4):
+                peer = stack.enter_context(socket.create_connection((host, int(port)), 60))
+                lines = stack.enter_context(peer.makefile("rb"))
+                peer.sendall(b'{"jsonrpc":"2.0","id":7,"method":"environment.step","params":{"queries":[' + b"1," * 10_000_000 + b"1]}}\n")
+                self.assertIn(b'"id":7', lines.readline())
+            self.assert_small(served.process.pid, before)
+
+    def assert_small(self, process_id: int, before: int) -> None:
+        end = time.monotonic() + SECONDS
+        while resident_bytes(process_id) - before > 60_000_000 and time.monotonic() < end:
+            time.sleep(0.1)
+        self.assertLess(resident_bytes(process_id) - before, 60_000_000)
 
     def test_a_built_in_process_that_takes_too_long(self) -> None:
         # 32768 rays from each of 300 leaves past each other take longer than a tenth of a second

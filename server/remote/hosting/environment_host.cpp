@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <boost/asio.hpp>
 #include <exception>
 #include <list>
@@ -73,7 +74,33 @@ class SilentConnections {
 struct Host {
   const ProcessFactory& factory;
   std::chrono::milliseconds firstMessage;
+  std::uint64_t mostHeldBytes;
   SilentConnections silent{};
+  std::atomic<std::uint64_t> heldBytes{0};  // of messages that have come in part
+};
+
+/// The bytes of one connection in Host::heldBytes.
+class HeldBytes {
+ public:
+  explicit HeldBytes(Host& host) : host_(&host) {}
+  ~HeldBytes() { host_->heldBytes -= bytes_; }
+  HeldBytes(const HeldBytes&) = delete;
+  HeldBytes& operator=(const HeldBytes&) = delete;
+
+  /// An error when all connections together have too many. Those of a short message cost the others nothing.
+  [[nodiscard]] std::optional<protocol::Error> set(std::size_t bytes) {
+    constexpr std::size_t kShort = 65'536;
+    const std::uint64_t all = host_->heldBytes += bytes - bytes_;
+    bytes_ = bytes;
+    return bytes <= kShort || all <= host_->mostHeldBytes
+               ? std::nullopt
+               : std::optional(protocol::limitError("decodingBytes", all, host_->mostHeldBytes,
+                                                    "Try again later; the connection is closed."));
+  }
+
+ private:
+  Host* host_;
+  std::uint64_t bytes_ = 0;
 };
 
 /// Closes the connection when it is still silent after a time. The caller keeps the timer.
@@ -97,6 +124,7 @@ asio::awaitable<void> serveConnection(Socket shared, Host& host) {
   closeWhenSilent(timer, host, shared);
   EnvironmentDialogue dialogue(host.factory, kLimits);
   protocol::MessageReader reader(kLimits);
+  HeldBytes held(host);
   auto bytes = std::make_unique_for_overwrite<std::array<char, kReadBytes>>();
   const auto token = asio::as_tuple(asio::use_awaitable);
   while (true) {
@@ -119,8 +147,13 @@ asio::awaitable<void> serveConnection(Socket shared, Host& host) {
         reader.allowBlocks();
       }
     }
+    reader.rest();
+    std::optional<protocol::Error> problem = held.set(reader.heldBytes());
     if (reader.lost()) {
-      const std::string reply = protocol::encodeError({}, *reader.lost());
+      problem = reader.lost();
+    }
+    if (problem) {
+      const std::string reply = protocol::encodeError({}, *problem);
       co_await asio::async_write(socket, asio::buffer(reply), token);
       co_return;
     }
@@ -153,9 +186,9 @@ asio::awaitable<void> acceptConnections(tcp::acceptor& acceptor, Host& host) {
 
 std::optional<std::string> hostEnvironment(const HostAddress& address, const ProcessFactory& factory,
                                            const std::function<void(std::uint16_t)>& onListening) {
-  const auto& [host, port, isInsecureAllowed, firstMessage] = address;
+  const auto& [host, port, isInsecureAllowed, firstMessage, heldBytes] = address;
   const unsigned threadCount = std::max(2U, processorCount());
-  Host shared{factory, firstMessage};
+  Host shared{factory, firstMessage, heldBytes};
   asio::io_context context(static_cast<int>(threadCount));
   tcp::acceptor acceptor(context);
   boost::system::error_code error;
@@ -235,6 +268,7 @@ std::optional<std::string> hostEnvironmentOnStdio(const ProcessFactory& factory)
       (void)writeAll(protocol::encodeError({}, *reader.lost()));
       return reader.lost()->message;
     }
+    reader.rest();
   }
 }
 

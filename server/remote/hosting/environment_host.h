@@ -20,6 +20,7 @@ struct HostAddress {
   std::uint16_t port = 0;          // 0: a free one
   bool isInsecureAllowed = false;  // an address that other machines reach: without encryption and without a token
   std::chrono::milliseconds firstMessage{10'000};  // time until a connection has sent its first message
+  std::uint64_t heldBytes = 1'000'000'000;         // of all messages that have come in part
 };
 
 /// Serves a process over the protocol on a TCP address until SIGINT or SIGTERM. Calls `onListening` with the port when

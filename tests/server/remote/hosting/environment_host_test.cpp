@@ -97,6 +97,19 @@ TEST(EnvironmentHost, TcpAndStdioGiveBitwiseTheSameStringsAsInProcess) {
   }
 }
 
+TEST(EnvironmentHost, MessagesThatComeInPartHaveABoundTogether) {
+  HostAddress where;
+  where.heldBytes = 1'000'000;
+  const Hosted hosted([] { return builtIn("height"); }, where);
+  const std::string address = hosted.address().substr(std::string_view("tcp://").size());
+  RawPeer hostile(address);
+  hostile.send(std::string(1'500'000, 'x'));
+  EXPECT_NE(hostile.line().find("the limit 'decodingBytes' is 1000000"), std::string::npos);
+  EXPECT_TRUE(hostile.isClosed());
+  EXPECT_EQ(RawPeer(address).ask(R"({"jsonrpc":"2.0","id":1,"method":"ping"})"),
+            R"({"jsonrpc":"2.0","id":1,"result":{}})");
+}
+
 /// Answers with what it sees of the geometry, in numbers with all their digits: the area and mean height of the organ
 /// behind the module, over the length of all segments.
 class Canopy final : public EnvironmentProcess {
