@@ -18,7 +18,7 @@ namespace {
 // page of 4 KB costs 5 to 25 us at its first touch, a huge page 200
 constexpr std::size_t kMappedBytes = std::size_t{1} << 19U;
 
-constexpr std::size_t kSharedBytes = std::size_t{32} << 20U;  // that are worth a thread to touch them
+constexpr std::size_t kSharedBytes = std::size_t{8} << 20U;  // that are worth a thread to touch them
 
 std::size_t mappedSize(std::size_t byteCount) {
   return (byteCount + kHugePageBytes - 1) & ~(kHugePageBytes - 1);
