@@ -156,6 +156,10 @@ class Checks {
   [[nodiscard]] bool isAlwaysTrue(const ProductionSyntax& production) const {
     return production.condition == kNoExpression || valueOf(production.condition).value_or(0.0) != 0.0;
   }
+  [[nodiscard]] bool hasProbabilityAsCondition(const ProductionSyntax& production) const {
+    const double value = production.condition == kNoExpression ? 1.0 : valueOf(production.condition).value_or(1.0);
+    return value > 0.0 && value < 1.0;
+  }
   /// Whether `earlier` matches wherever `later` would.
   [[nodiscard]] bool hides(const ProductionSyntax& earlier, const ProductionSyntax& later) const {
     if (!isAlwaysTrue(earlier) || !earlier.newLeftContext.empty() || !earlier.newRightContext.empty() ||
@@ -182,10 +186,14 @@ class Checks {
                                        [&](const ProductionSyntax* other) { return hides(*other, production); });
       if (hiding != earlier.end()) {
         const core::SourceRange range = (*hiding)->range;
+        const std::string text = textOf({range.begin, std::min(range.end, range.begin + 60)});
         messages_.warning(production.predecessorRange,
                           "this production is never applied: an earlier production matches wherever this one would",
-                          "the earlier production is: " + textOf({range.begin, std::min(range.end, range.begin + 60)}) +
-                              "; move it behind this one");
+                          hasProbabilityAsCondition(**hiding)
+                              ? "the number behind ':' in '" + text +
+                                    "' is a condition, which always holds; a probability stands at the end, as in "
+                                    "A --> AB : 0.5"
+                              : "the earlier production is: " + text + "; move it behind this one");
       } else if (isAlwaysTrue(production)) {
         earlier.push_back(&production);
       }
