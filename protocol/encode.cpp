@@ -219,6 +219,9 @@ std::string encode(const StepResult& result) {
   writer.beginObject().key("step").integer(result.step).key("finished").boolean(result.isFinished);
   writer.key("truncated").boolean(result.isTruncated).key("saved").boolean(result.isSaved);
   write(writer, result.statistics);
+  if (!result.printed.empty()) {
+    writer.key("printed").text(result.printed);
+  }
   return writer.endObject().take();
 }
 

@@ -230,6 +230,7 @@ struct StepResult {
       false;  // fewer steps were made than asked for, although not finished (stopped by a limit or cancelled)
   bool isSaved = false;   // the state after the last step is on the server's disk
   Statistics statistics;  // figures of the last step; queries, answers and milliseconds summed over this call
+  std::string printed;    // by the model since the last answer
 };
 
 struct ModuleRecord {

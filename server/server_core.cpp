@@ -6,7 +6,7 @@
 
 #include "engine/core/check.h"
 #include "engine/core/hash.h"
-#include "server/running/turn_meter.h"
+#include "server/remote/freed_memory.h"
 #include "server/session/session.h"
 #include "server/store/database.h"
 

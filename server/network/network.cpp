@@ -12,7 +12,7 @@
 #include "server/network/http.h"
 #include "server/network/listening.h"
 #include "server/network/stream_connection.h"
-#include "server/running/turn_meter.h"
+#include "server/remote/freed_memory.h"
 #include "server/server_core.h"
 #include "server/session/session.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/remote/freed_memory.h"
 #include "server/running/limit_errors.h"
 #include "server/running/turn_meter.h"
 

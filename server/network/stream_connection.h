@@ -6,7 +6,7 @@
 #include <boost/asio/ssl.hpp>
 
 #include "server/network/peer_connection.h"
-#include "server/running/turn_meter.h"
+#include "server/remote/freed_memory.h"
 
 namespace espalier::server {
 

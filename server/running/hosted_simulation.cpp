@@ -106,7 +106,7 @@ std::optional<protocol::Error> HostedSimulation::build(simulation::Programs prog
   options.world = std::move(world);
   options.seeds = seedRules(record_.create.seeds);
   options.environmentOrigin = std::move(environment.origin);
-  options.messages = RunWarnings::sinkOf(warnings_, services_.galleryFolder);
+  options.messages = RunMessages::sinkOf(messages_, services_.galleryFolder);
   for (const core::Diagnostic& warning : environment.warnings) {
     options.messages(core::MessageKind::Warning, core::formatDiagnostic(warning));
   }
@@ -348,7 +348,7 @@ void HostedSimulation::adopt(HostedSimulation& fresh) {
   }
   environmentBytes_.swap(fresh.environmentBytes_);
   queries_.swap(fresh.queries_);
-  warnings_.swap(fresh.warnings_);
+  messages_.swap(fresh.messages_);
   isSaved_ = fresh.isSaved_;
   isSaveDue_ = fresh.isSaveDue_;
   trace_ = fresh.trace_;

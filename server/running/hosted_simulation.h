@@ -12,7 +12,7 @@
 #include "server/running/environment_builder.h"
 #include "server/running/interruption.h"
 #include "server/running/metered_environment.h"
-#include "server/running/run_warnings.h"
+#include "server/running/run_messages.h"
 #include "server/running/simulation_trace.h"
 #include "server/store/simulation_record.h"
 #include "server/store/store.h"
@@ -98,7 +98,9 @@ class HostedSimulation {
   [[nodiscard]] std::optional<protocol::Error> setTraced(bool isTraced);
   [[nodiscard]] bool isTraced() const { return trace_ != nullptr && traceProblem().empty(); }
   /// Warnings of its steps that no answer has taken yet.
-  [[nodiscard]] std::vector<std::string> takeWarnings() { return warnings_->take(); }
+  [[nodiscard]] std::vector<std::string> takeWarnings() { return messages_->takeWarnings(); }
+  /// What the model has printed since the last answer.
+  [[nodiscard]] std::string takePrinted() { return messages_->takePrinted(); }
   /// Why the trace has ended although the simulation goes on: a sentence; empty: it has not.
   [[nodiscard]] std::string traceProblem() const { return trace_ == nullptr ? std::string() : trace_->problem(); }
   [[nodiscard]] std::vector<StoredTrace> traces() const {
@@ -158,7 +160,7 @@ class HostedSimulation {
   std::shared_ptr<EnvironmentBytes> environmentBytes_ = std::make_shared<EnvironmentBytes>(0);
   std::uint64_t modelBytes_ = 0;
   std::shared_ptr<QueryRecorder> queries_ = std::make_shared<QueryRecorder>();
-  std::shared_ptr<RunWarnings> warnings_ = std::make_shared<RunWarnings>();
+  std::shared_ptr<RunMessages> messages_ = std::make_shared<RunMessages>();
   bool isSaved_ = false;    // the copy on disk is of the present step
   bool isSaveDue_ = false;  // it could not be written: the next step saves it first
 };

@@ -1,10 +1,10 @@
 #include "server/running/turn_meter.h"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <ctime>
 #include <exception>
+
+#include "server/remote/freed_memory.h"
 
 namespace espalier::server {
 namespace {
@@ -20,22 +20,6 @@ constexpr std::int64_t kGraceBytes = 64 << 20;
 
 /// After a turn that reserved so much.
 constexpr std::int64_t kLargeBytes = 32 << 20;
-constexpr std::int64_t kTrimSeconds = 1;
-
-/// So much freed memory stays at the end of a thread's heap, which malloc_trim does not give back.
-constexpr int kHeapEndBytes = 8 << 20;
-/// Larger blocks are mapped, and given back when they are freed. The most that the C library accepts.
-constexpr int kMappedBytes = 32 << 20;
-
-/// A turn was large, and the heap has not been trimmed since.
-std::atomic<bool> isTrimWanted{false};
-std::atomic<std::int64_t> lastTrim{-kTrimSeconds};  // seconds of the monotonic clock
-
-std::int64_t monotonicSeconds() noexcept {
-  timespec now{};
-  static_cast<void>(clock_gettime(CLOCK_MONOTONIC, &now));
-  return now.tv_sec;
-}
 
 /// An exception ends the work: destructors that take memory for a moment, as those of the JSON library do, cannot fail.
 bool isUnwinding() noexcept {
@@ -51,35 +35,10 @@ std::uint64_t threadNanoseconds() noexcept {
 
 }  // namespace
 
-void boundHeaps(unsigned workers) {
-  static_cast<void>(mallopt(M_ARENA_MAX, static_cast<int>(std::max(workers, 1U) + 1)));
-  // left alone, the library raises the first bound to 64 MB for each heap
-  static_cast<void>(mallopt(M_TRIM_THRESHOLD, kHeapEndBytes));
-  static_cast<void>(mallopt(M_MMAP_THRESHOLD, kMappedBytes));
-}
-
-void noteFreed(std::size_t bytes) noexcept {
-  if (bytes > kHeapEndBytes) {
-    isTrimWanted = true;
-  }
-}
-
-bool isHeapTrimDue() noexcept {
-  return isTrimWanted && monotonicSeconds() - lastTrim >= kTrimSeconds;
-}
-
-void trimHeap() noexcept {
-  std::int64_t before = lastTrim;
-  if (isHeapTrimDue() && lastTrim.compare_exchange_strong(before, monotonicSeconds())) {
-    isTrimWanted = false;
-    static_cast<void>(malloc_trim(0));
-  }
-}
-
 TurnMeter::~TurnMeter() {
   giveBack();
   if (wasLarge_) {
-    isTrimWanted = true;
+    noteFreed(kLargeBytes);
     trimHeap();
   }
 }

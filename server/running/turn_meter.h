@@ -75,20 +75,6 @@ class PartMeter final : public core::WorkMeter {
   std::atomic<std::int64_t> net_{0};
 };
 
-/// The C library keeps freed memory, in a heap for each thread until there are eight for each core. A server bounds the
-/// number, so that what threads have freed is there for others, and how much each heap keeps at its end. For the whole
-/// process, before its threads begin.
-void boundHeaps(unsigned workers);
-
-/// So many bytes of no turn are being freed, such as messages to a slow peer. When they are many, the heaps are trimmed
-/// as after a large turn.
-void noteFreed(std::size_t bytes) noexcept;
-/// A large turn has ended since the heaps were trimmed, and that was a second ago.
-[[nodiscard]] bool isHeapTrimDue() noexcept;
-/// Gives freed memory back to the system when that is due. Large turns do it at their end; after the last of many that
-/// end together somebody else has to.
-void trimHeap() noexcept;
-
 /// `new` and `delete` of this program tell the meter of their thread what they take and give back.
 [[nodiscard]] bool isHeapMetered();
 

@@ -62,13 +62,15 @@ protocol::StepResult resultOf(SimulationRunner& runner, const StepProgress& prog
   return result;
 }
 
-/// Answers with the state, and with the warnings of the steps.
+/// Answers with the state, the warnings of the steps, and what the model has printed.
 void answerWithState(SimulationRunner& runner, Session& session, const protocol::MessageId& id,
                      const StepProgress& progress, bool isTruncated) {
   if (auto warnings = runner.hosted().takeWarnings(); !warnings.empty()) {
     session.warn(id, std::move(warnings));
   }
-  session.respond(id, protocol::encode(resultOf(runner, progress, isTruncated)));
+  protocol::StepResult result = resultOf(runner, progress, isTruncated);
+  result.printed = runner.hosted().takePrinted();
+  session.respond(id, protocol::encode(result));
 }
 
 bool isDone(const simulation::Simulation& simulation, const StepProgress& progress) {

@@ -49,6 +49,18 @@ class RunWarnings(unittest.TestCase):
             warnings.simplefilter("always")
             self.assertEqual(self.said(plant.run(lambda frame: None).warnings), [DRY, DIVISION])
 
+    def test_what_the_model_prints_comes_with_the_next_answer(self) -> None:
+        plant = self.client.create('Lsystem: 1\nderivation length: 3\nStart: { printf("begun\\n"); }\nAxiom: A(1)\n'
+                                   'A(x) : 1 { printf("x is %g\\n", x); } --> A(x+1)\nendlsystem\n')
+        self.assertEqual([plant.step().printed for _ in range(2)], ["begun\nx is 1\n", "x is 2\n"])
+        self.assertEqual(plant.run().printed, "x is 3\n")
+        talker = self.client.create('Lsystem: 1\nderivation length: 2\nAxiom: A\n'
+                                    'A : { n = 0; while (n < 20000) { printf("line %f\\n", n); n = n+1; } } 1 --> A\nendlsystem\n')
+        first = talker.step().printed
+        self.assertEqual(len(first[:first.index("[")].encode()), 64_001)
+        self.assertRegex(first, r"\n\[[0-9]+ bytes more were printed\]\n$")
+        self.assertTrue(talker.step().printed.startswith("line 0.000000\n"))
+
     def test_where_the_gallery_is_stays_unknown(self) -> None:
         with tempfile.TemporaryDirectory() as gallery:
             for name, condition in (("warns", "1"), ("fails", "{ y=1; while (y > 0) { y = y+1; } } 1")):

@@ -28,6 +28,7 @@ class StepResult:
     saved: bool  # the state is on the server's disk
     statistics: Mapping[str, Any]
     warnings: Sequence[str] = ()  # of the model and its environments in these steps; each is said once in a simulation
+    printed: str = ""  # by the model (`printf`) since the last answer, at most 64,000 bytes
 
 
 @dataclass(frozen=True)
@@ -196,7 +197,8 @@ def read_frame(shape: Mapping[str, Any], blocks: Blocks = MappingProxyType({})) 
 def read_step(shape: Mapping[str, Any]) -> StepResult:
     """The result in the answer to simulation.step or simulation.run."""
     return StepResult(int(shape["step"]), bool(shape["finished"]), bool(shape["truncated"]),
-                      bool(shape.get("saved", False)), shape["statistics"], tuple(shape.get("warnings", ())))
+                      bool(shape.get("saved", False)), shape["statistics"], tuple(shape.get("warnings", ())),
+                      str(shape.get("printed", "")))
 
 
 def step_of(frame: Frame) -> StepResult:

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <boost/asio.hpp>
@@ -13,6 +14,7 @@
 
 #include "protocol/framing.h"
 #include "server/remote/control_group.h"
+#include "server/remote/freed_memory.h"
 #include "server/remote/hosting/environment_dialogue.h"
 
 namespace espalier::server {
@@ -133,6 +135,7 @@ asio::awaitable<void> serveConnection(Socket shared, Host& host) {
       co_return;
     }
     reader.feed({bytes->data(), count});
+    const std::size_t before = reader.heldBytes();
     while (const auto read = reader.next()) {
       if (read->has_value() && host.silent.leave(shared)) {
         timer.cancel();
@@ -148,6 +151,8 @@ asio::awaitable<void> serveConnection(Socket shared, Host& host) {
       }
     }
     reader.rest();
+    noteFreed(before - std::min(before, reader.heldBytes()));
+    trimHeap();
     std::optional<protocol::Error> problem = held.set(reader.heldBytes());
     if (reader.lost()) {
       problem = reader.lost();
@@ -188,6 +193,7 @@ std::optional<std::string> hostEnvironment(const HostAddress& address, const Pro
                                            const std::function<void(std::uint16_t)>& onListening) {
   const auto& [host, port, isInsecureAllowed, firstMessage, heldBytes] = address;
   const unsigned threadCount = std::max(2U, processorCount());
+  boundHeaps(threadCount);
   Host shared{factory, firstMessage, heldBytes};
   asio::io_context context(static_cast<int>(threadCount));
   tcp::acceptor acceptor(context);

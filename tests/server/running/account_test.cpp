@@ -8,6 +8,7 @@
 
 #include "engine/core/buffer.h"
 #include "server/remote/control_group.h"
+#include "server/remote/freed_memory.h"
 #include "server/remote/limits.h"
 #include "server/running/turn_meter.h"
 

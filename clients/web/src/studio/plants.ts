@@ -94,3 +94,9 @@ async function changedOnDisk(client: Client, { gallery, files, binary }: Documen
     throw error;
   }
 }
+
+/** What the model and its environments said in steps, as one line: warnings, then the last that was printed. */
+export function textOfSteps({ warnings = [], printed = "" }: { warnings?: string[]; printed?: string }): string {
+  const lines = printed.trim().split("\n").slice(-5);
+  return [...warnings.map((text) => `Warning: ${text.split("\n")[0].replace(" warning:", "")}`), ...(printed.trim() ? [`The model printed: ${lines.join(" · ").slice(-300)}`] : [])].join(" ");
+}

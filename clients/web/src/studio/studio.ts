@@ -17,7 +17,7 @@ import { folderPalette } from "./palette.js";
 import { Recolours } from "./recolours.js";
 import { Watched } from "./watched.js";
 import { unpacked } from "./share.js";
-import { checkDocument, createPlant, isTokenRefused, keepText, keptOf, restored } from "./plants.js";
+import { checkDocument, createPlant, isTokenRefused, keepText, keptOf, restored, textOfSteps } from "./plants.js";
 import type { Connection, EnvironmentEntry, GalleryEntry } from "./types.js";
 
 const CHECK_MILLISECONDS = 250;
@@ -507,11 +507,11 @@ export class Studio {
     return this.answered.step;
   }
 
-  private reached({ step, finished, warnings }: { step: number; finished: boolean; warnings?: string[] }): void {
+  private reached({ step, finished, ...said }: { step: number; finished: boolean; warnings?: string[]; printed?: string }): void {
     this.answered = { step, finished };
     this.step = step;
     this.isFinished = finished;
-    this.message = warnings ? { text: warnings.map((text) => `Warning: ${text.split("\n")[0].replace(" warning:", "")}`).join(" "), isError: false } : this.message;
+    this.message = textOfSteps(said) ? { text: textOfSteps(said), isError: false } : this.message;
   }
 
   /** Derives to a step, and keeps states on the way. */
