@@ -132,8 +132,9 @@ std::optional<LinkFailure> ChannelLink::introduce() {
     const bool isRefused = failure->kind == LinkFailure::Kind::Refused;
     // an environment asks for no token
     isServer = isRefused && failure->error.code == protocol::ErrorCode::Unauthorised;
-    if ((isRefused && failure->error.code != protocol::ErrorCode::Version) ||
-        failure->kind == LinkFailure::Kind::Timeout) {
+    // a connection that was lost with the question serves nobody
+    if (transport_ != nullptr && ((isRefused && failure->error.code != protocol::ErrorCode::Version) ||
+                                  failure->kind == LinkFailure::Kind::Timeout)) {
       failure.reset();
     }
   }
@@ -188,15 +189,15 @@ LinkOutcome ChannelLink::call(std::string_view method, const protocol::Body& par
 LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::string& line, Deadline deadline,
                                   std::chrono::milliseconds timeout) {
   LineChannel& channel = transport_->channel;
+  // half a message may have been sent: the framing is lost
+  const auto lostWith = [&](LineChannel::Status status) {
+    auto failure = failureOf(status, timeout);
+    const std::lock_guard lock(mutex_);
+    transport_.reset();
+    return tl::unexpected(std::move(failure));
+  };
   if (const auto status = channel.write(line, deadline); status != LineChannel::Status::Done) {
-    if (status != LineChannel::Status::Closed) {
-      // half a message was sent: the framing is lost
-      auto failure = failureOf(status, timeout);
-      const std::lock_guard lock(mutex_);
-      transport_.reset();
-      return tl::unexpected(std::move(failure));
-    }
-    return tl::unexpected(failureOf(status, timeout));
+    return lostWith(status);
   }
   protocol::MessageReader& reader = transport_->reader;
   bool isOver = false;
@@ -228,7 +229,7 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
         break;
       case protocol::Message::Kind::Request:
         if (const auto status = answer(message, deadline); status != LineChannel::Status::Done) {
-          return tl::unexpected(failureOf(status, timeout));
+          return lostWith(status);
         }
         break;
       case protocol::Message::Kind::Result:

@@ -33,9 +33,11 @@ class PeerSocket {
   }
   ~PeerSocket() { std::filesystem::remove(path_); }
   [[nodiscard]] const std::string& path() const { return path_; }
+  [[nodiscard]] Descriptor acceptDescriptor() const {
+    return Descriptor(::accept(listening_.number(), nullptr, nullptr));
+  }
   [[nodiscard]] std::unique_ptr<LineChannel> accept() const {
-    return std::make_unique<LineChannel>(Descriptor(::accept(listening_.number(), nullptr, nullptr)), Descriptor(),
-                                         1'000'000);
+    return std::make_unique<LineChannel>(acceptDescriptor(), Descriptor(), 1'000'000);
   }
   /// Ends an accept() that waits.
   void close() const { ::shutdown(listening_.number(), SHUT_RDWR); }
@@ -91,6 +93,31 @@ TEST(ChannelLink, AConnectionThatHasHalfAMessageIsNotUsedAgain) {
   EXPECT_EQ(link->generation(), 0U);
   EXPECT_FALSE(link->connect().has_value());
   EXPECT_EQ(link->generation(), 2U);
+  socket.close();
+  peer.join();
+}
+
+TEST(ChannelLink, AConnectionThatHasHalfAnAnswerIsNotUsedAgain) {
+  const PeerSocket socket;
+  ChannelOptions options;
+  options.introductionTimeout = 300ms;
+  const auto link = ChannelLink::unixSocket(socket.path(), options);
+  std::thread peer([&socket] {
+    const std::string question = R"({"jsonrpc":"2.0","id":1,"method":"ping"})"
+                                 "\n";
+    for (int i = 0; i < 2; ++i) {
+      // it asks all the time and reads nothing
+      const Descriptor connection = socket.acceptDescriptor();
+      while (::send(connection.number(), question.data(), question.size(), MSG_NOSIGNAL) > 0) {
+      }
+    }
+  });
+  const auto failure = link->connect();
+  EXPECT_EQ(failure ? failure->kind : LinkFailure::Kind::Away, LinkFailure::Kind::Timeout);
+  EXPECT_EQ(link->generation(), 0U);
+  const auto outcome = link->call("environment.step", "{}", 300ms);
+  EXPECT_EQ(outcome ? LinkFailure::Kind::Away : outcome.error().kind, LinkFailure::Kind::Timeout);
+  EXPECT_EQ(link->generation(), 0U);
   socket.close();
   peer.join();
 }
