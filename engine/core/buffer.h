@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
 #include <span>
 #include <thread>
 #include <type_traits>
@@ -44,6 +45,7 @@ class Buffer {
 
  public:
   Buffer() = default;
+  Buffer(std::initializer_list<T> values) { append({values.begin(), values.size()}); }
   Buffer(const Buffer& other) { append(other.view()); }
   Buffer(Buffer&& other) noexcept { swap(other); }
   Buffer& operator=(const Buffer& other) {
@@ -112,6 +114,11 @@ class Buffer {
     return data_[i];
   }
   [[nodiscard]] const T& operator[](std::size_t i) const { return data_[i]; }
+  [[nodiscard]] const T& back() const { return data_[size_ - 1]; }
+  [[nodiscard]] const T* begin() const { return data_; }
+  [[nodiscard]] const T* end() const { return data_ + size_; }
+  [[nodiscard]] T* begin() { return data(); }
+  [[nodiscard]] T* end() { return data() + size_; }
   [[nodiscard]] std::span<const T> view() const { return {data_, size_}; }
   [[nodiscard]] std::span<T> span() {
     own();

@@ -116,20 +116,7 @@ void ModelSet::toCommonSymbols(std::uint32_t model, std::span<turtle::TurtleReco
   }
 }
 
-ModelSet::SceneMark::SceneMark(const turtle::Scene& scene)
-    : segments(scene.segments.size()),
-      polygons(scene.polygons.size()),
-      balls(scene.balls.size()),
-      surfaces(scene.surfaces.size()),
-      cylinders(scene.cylinders.size()),
-      patches(scene.patches.size()),
-      labels(scene.labels.size()) {}
-
-bool ModelSet::SceneMark::isEmpty() const {
-  return segments + polygons + balls + surfaces + cylinders + patches + labels == 0;
-}
-
-void ModelSet::toCommonNumbers(std::uint32_t model, std::int32_t colourShift, const SceneMark& mark,
+void ModelSet::toCommonNumbers(std::uint32_t model, std::int32_t colourShift, const turtle::SceneMark& mark,
                                turtle::Scene& scene) const {
   if (model == 0 && colourShift == 0) {
     return;

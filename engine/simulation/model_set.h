@@ -51,15 +51,9 @@ class ModelSet {
   void toCommonSymbols(std::uint32_t model, std::size_t firstQuery, turtle::QueryBatch& queries) const;
   /// The same for records of the turtle.
   void toCommonSymbols(std::uint32_t model, std::span<turtle::TurtleRecord> records) const;
-  /// How much a scene held before a plant was drawn into it.
-  struct SceneMark {
-    explicit SceneMark(const turtle::Scene& scene);
-    [[nodiscard]] bool isEmpty() const;
-    std::size_t segments, polygons, balls, surfaces, cylinders, patches, labels;
-  };
   /// Gives the elements behind `mark`, which a plant of `model` drew, the common numbers of surfaces and contours, and
   /// adds `colourShift` to their colours.
-  void toCommonNumbers(std::uint32_t model, std::int32_t colourShift, const SceneMark& mark,
+  void toCommonNumbers(std::uint32_t model, std::int32_t colourShift, const turtle::SceneMark& mark,
                        turtle::Scene& scene) const;
 
  private:

@@ -11,8 +11,10 @@ using benchmark::Counter;
 
 enum class Product { Scene, Records };
 
-void interpret(benchmark::State& state, const Workload& workload, Product product) {
-  simulation::Simulation simulation(compileWorkload(workload), {turtle::PlantPlacement{}}, nullptr, {});
+void interpret(benchmark::State& state, const Workload& workload, Product product, unsigned threads) {
+  simulation::SimulationOptions options;
+  options.threads = threads;
+  simulation::Simulation simulation(compileWorkload(workload), {turtle::PlantPlacement{}}, nullptr, options);
   require(simulation.rewind());
   while (!simulation.isFinished()) {
     require(simulation.step());
@@ -36,9 +38,9 @@ void interpret(benchmark::State& state, const Workload& workload, Product produc
   }
 }
 
-void add(const std::string& name, const Workload& workload, Product product) {
-  benchmark::RegisterBenchmark((name + workload.name()).c_str(),
-                               [=](benchmark::State& state) { interpret(state, workload, product); })
+void add(const std::string& name, const Workload& workload, Product product, unsigned threads = 1) {
+  benchmark::RegisterBenchmark((name + workload.name() + (threads > 1 ? "/" + std::to_string(threads) : "")).c_str(),
+                               [=](benchmark::State& state) { interpret(state, workload, product, threads); })
       ->Unit(benchmark::kMillisecond)
       ->UseRealTime();
 }
@@ -51,6 +53,10 @@ const bool kIsRegistered = [] {
   add("scene/", {"d0l", "9", ""}, Product::Scene);
   add("scene/", {"parametric", "19", ""}, Product::Scene);
   add("scene/", {"homomorphism", "16", ""}, Product::Scene);
+  // by two threads: lines of the string, and of images
+  add("scene/", {"parametric", "19", ""}, Product::Scene, 2);
+  add("scene/", {"drawn-twigs", "17", ""}, Product::Scene);
+  add("scene/", {"drawn-twigs", "17", ""}, Product::Scene, 2);
   add("records/", {"parametric", "17", ""}, Product::Records);
   return true;
 }();

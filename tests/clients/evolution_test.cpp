@@ -25,10 +25,10 @@ turtle::Segment line(const Vec3& start, const Vec3& end, std::uint32_t parent = 
   return segment;
 }
 
-PlantMeasures measured(std::vector<turtle::Segment> segments) {
+PlantMeasures measured(const std::vector<turtle::Segment>& segments) {
   turtle::Scene scene;
   scene.lineStyle = files::LineStyle::Cylinder;
-  scene.segments = std::move(segments);
+  scene.segments.append(segments);
   return measurePlant(std::move(scene), {});
 }
 

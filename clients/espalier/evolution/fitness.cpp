@@ -130,7 +130,7 @@ double shadeOf(const turtle::Geometry& geometry, double alongX, double alongZ, d
   return shade.area();
 }
 
-double branchingOf(const std::vector<turtle::Segment>& segments) {
+double branchingOf(std::span<const turtle::Segment> segments) {
   std::vector<std::uint32_t> children(segments.size());
   for (const turtle::Segment& segment : segments) {
     if (segment.parent != turtle::kNoParent) {
@@ -191,7 +191,7 @@ double measure(const PlantMeasures& measures, std::size_t index) {
 
 PlantMeasures measurePlant(turtle::Scene&& scene, const files::ViewSettings& view) {
   PlantMeasures measures;
-  measures.branching = branchingOf(scene.segments);
+  measures.branching = branchingOf(scene.segments.view());
   turtle::Geometry geometry;
   turtle::appendGeometry(
       std::move(scene), view, [](std::uint32_t, std::uint64_t) { return core::SymbolId{0}; }, geometry);

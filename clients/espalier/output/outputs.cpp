@@ -364,7 +364,7 @@ void OutputWriter::warnIfFar(const turtle::Scene& scene, const files::ViewSettin
     return std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
   };
   // of a scene that is far away each line is
-  const bool mayBeFar = scene.segments.empty() || largestOf(scene.segments.front().start) > 100.0;
+  const bool mayBeFar = scene.segments.empty() || largestOf(scene.segments[0].start) > 100.0;
   if (isQuiet_ || hasWarned_ || !mayBeFar || std::ranges::find(kMeshes, format.name) == kMeshes.end()) {
     return;
   }

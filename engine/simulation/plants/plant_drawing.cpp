@@ -45,7 +45,7 @@ void PlantDrawing::draw(const std::vector<Plant>& members, std::vector<derivatio
       continue;
     }
     const PlantOrigin& origin = members[plant].origin;
-    const ModelSet::SceneMark mark(scene);
+    const turtle::SceneMark mark(scene);
     const files::LineStyle lineStyle = scene.lineStyle;
     const std::size_t firstRecord = output.records == nullptr ? 0 : output.records->size();
     drawPlant(plant, origin, *derivation, states[plant], output);

@@ -26,6 +26,9 @@ class Drawing {
   /// The module that is being interpreted: the elements that it draws belong to it.
   void setModule(std::uint64_t module) { module_ = module; }
 
+  /// A polygon or cylinder has begun and not ended.
+  [[nodiscard]] bool hasOpenShape() const { return !open_.empty(); }
+
   /// F, G: a line from `start` to the present position, unless a generalized cylinder is being drawn in its place.
   void line(TurtleState& state, const core::Vec3& start);
   /// A vertex or control point at the present position; `stripCount` 0: the current one.

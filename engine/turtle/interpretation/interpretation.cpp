@@ -28,13 +28,13 @@ constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();  // 
 
 /// Makes room for `count` more, in huge pages. Grows at least by half, so that many plants do not copy one another
 /// again and again. Returns whether there was none.
-template <typename Item>
-bool reserveMore(std::vector<Item>& list, std::size_t count) {
+template <typename List>
+bool reserveMore(List& list, std::size_t count) {
   if (count <= list.capacity() - list.size()) {
     return false;
   }
   list.reserve(std::max(list.size() + count, list.capacity() + list.capacity() / 2));
-  core::adviseHugePages(list.data() + list.size(), (list.capacity() - list.size()) * sizeof(Item));
+  core::adviseHugePages(list.data() + list.size(), (list.capacity() - list.size()) * sizeof(*list.data()));
   return true;
 }
 
@@ -106,12 +106,20 @@ void Interpretation::runAround(std::span<const BranchPart> branches, std::span<B
   derivation_.endInterpretation(plantState_);
 }
 
-void Interpretation::runBranch(const BranchPart& branch, const BranchStart& start, std::vector<std::string>& warnings) {
+bool Interpretation::runBranch(const BranchPart& branch, const BranchStart& start, std::vector<std::string>& warnings) {
   warnings_ = &warnings;
   state_ = start.state;
+  Scene* const scene = output_.scene;
+  if (scene != nullptr) {
+    scene->segments.push_back(start.parent);
+    scene->cylinders.emplace_back();
+    state_.segment = state_.segment == kNoParent ? kNoParent : 0;
+    state_.cylinder = state_.cylinder == kNoParent ? kNoParent : 0;
+  }
   std::uint64_t module = branch.firstModule;
   std::uint64_t offset = branch.firstOffset;
   walk(module, branch.endModule, offset);
+  return !drawing_.hasOpenShape() && (scene == nullptr || scene->cylinders.front().points.empty());
 }
 
 void Interpretation::begin() {
@@ -197,10 +205,10 @@ void Interpretation::forecastOutput(std::uint64_t i) {
 }
 
 // lets another thread touch the memory of the next items of a list
-template <typename Item>
-void Interpretation::touchNext(std::vector<Item>& list, std::size_t count, std::jthread& touch) {
+template <typename List>
+void Interpretation::touchNext(List& list, std::size_t count, std::jthread& touch) {
   if (derivation_.options().threads > 1) {
-    touch = core::populatePagesFromEnd(list.data() + list.size(), count * sizeof(Item));
+    touch = core::populatePagesFromEnd(list.data() + list.size(), count * sizeof(*list.data()));
   }
 }
 
@@ -292,7 +300,16 @@ void Interpretation::skipBranch(std::uint64_t& module, std::uint64_t& offset) {
   const BranchPart& branch = branches_.front();
   // a cut may have led beyond it
   if (module == branch.firstModule) {
-    *start_ = {true, state_, mark()};
+    *start_ = {.isReached = true,
+               .isWithinShape = drawing_.hasOpenShape(),
+               .state = state_,
+               .parent = {},
+               .mark = mark(),
+               .drawn = {}};
+    if (output_.scene != nullptr) {
+      start_->drawn = SceneMark(*output_.scene);
+      start_->parent = state_.segment == kNoParent ? Segment{} : output_.scene->segments[state_.segment];
+    }
     module = branch.endModule;
     offset = branch.endOffset;
   }

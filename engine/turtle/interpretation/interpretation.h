@@ -46,9 +46,12 @@ class Interpretation {
 
   /// The state at the start of a branch that is interpreted apart.
   struct BranchStart {
-    bool isReached = false;  // false: a cut or a failure came before
+    bool isReached = false;      // false: a cut or a failure came before
+    bool isWithinShape = false;  // a polygon or a cylinder of `{` began before it and has not ended
     TurtleState state;
+    Segment parent;   // the line that the branch grows from, if it has one
     OutputMark mark;  // output of the walk around it so far
+    SceneMark drawn;
   };
 
   /// The uses that a stretch of the string makes of branches and records from before it.
@@ -74,8 +77,10 @@ class Interpretation {
   /// in `starts` (branches.size()), warnings in `warnings`.
   void runAround(std::span<const BranchPart> branches, std::span<BranchStart> starts,
                  std::vector<std::string>& warnings);
-  /// One of these branches. Nothing may be drawn or recorded: it would have no parent.
-  void runBranch(const BranchPart& branch, const BranchStart& start, std::vector<std::string>& warnings);
+  /// One of these branches. Line 0 of what it draws is the line that it grows from, and cylinder 0 stands for the one
+  /// that is open there. Returns whether it left that alone and closed what it began. Nothing may be recorded: it would
+  /// have no parent.
+  [[nodiscard]] bool runBranch(const BranchPart& branch, const BranchStart& start, std::vector<std::string>& warnings);
 
   /// The string in pieces, from its first module on, for a caller that may already have the records of some pieces:
   /// `begin` before the first piece, `end` after the last.
@@ -120,8 +125,8 @@ class Interpretation {
   // the walk
   void reserveOutput();
   void forecastOutput(std::uint64_t i);
-  template <typename Item>
-  void touchNext(std::vector<Item>& list, std::size_t count, std::jthread& touch);
+  template <typename List>
+  void touchNext(List& list, std::size_t count, std::jthread& touch);
   void walk(std::uint64_t& module, std::uint64_t end, std::uint64_t& offset);
   void walkAll();
   void walkImage();

@@ -1,5 +1,9 @@
 #include "engine/turtle/interpretation/interpretation_tables.h"
 
+#include <algorithm>
+
+#include "engine/turtle/interpretation/record_chain.h"
+
 namespace espalier::turtle {
 namespace {
 
@@ -65,6 +69,13 @@ InterpretationTables::InterpretationTables(const language::Program& program) {
     hasCalls = hasCalls || roleOf.back() == Role::Call || roleOf.back() == Role::SystemEnd;
   }
   hasIndependentBranches = !hasImages && !hasCalls;
+  // a patch (`@PS`) takes its points from anywhere
+  const auto has = [&](char character) {
+    return std::ranges::any_of(program.types, [&](const language::ModuleType& type) {
+      return program.symbols[type.symbol].character() == character;
+    });
+  };
+  mayDrawApart = isRepeatable(program) && !(has('@') && has('P') && has('S'));
 }
 
 }  // namespace espalier::turtle

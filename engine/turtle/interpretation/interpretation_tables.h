@@ -29,6 +29,7 @@ struct InterpretationTables {
   bool hasImages = false;               // any homomorphism production exists
   bool hasCut = false;                  // `%` or `@mc`: modules may be skipped
   bool hasIndependentBranches = false;  // a branch depends only on the turtle at its start
+  bool mayDrawApart = false;            // the same for what it draws, if no polygon or cylinder is open there
 };
 
 }  // namespace espalier::turtle

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "engine/core/worker_team.h"
@@ -66,18 +67,26 @@ template <typename Part, typename Walk>
 void interpretInto(Part& part, const Interpretation::Subject& subject, const InterpretationOutput& whole,
                    const Walk& walk) {
   InterpretationOutput output = whole;
-  output.queries = &part.queries;
+  output.scene = whole.scene == nullptr ? nullptr : &part.scene;
+  output.queries = whole.queries == nullptr ? nullptr : &part.queries;
   output.queryParameterOffsets = whole.queryParameterOffsets == nullptr ? nullptr : &part.queryOffsets;
   // always kept, to be taken back
   output.changes = &part.changes;
   try {
     Interpretation interpretation(subject, output);
-    walk(interpretation);
+    part.isOutOfPlace = !walk(interpretation);
   } catch (const core::SimulationFailure&) {
     part.hasFailed = true;
   } catch (const std::bad_alloc&) {
     part.hasFailed = true;
   }
+}
+
+/// The subject with a thread's own Derivation, where it needs one.
+Interpretation::Subject subjectOf(const Interpretation::Subject& whole, std::vector<derivation::Derivation>& expanders,
+                                  unsigned thread) {
+  derivation::Derivation& derivation = expanders.empty() ? whole.derivation : expanders[thread];
+  return {whole.program, whole.tables, whole.reported, derivation, whole.plantState, whole.plant, whole.placement};
 }
 
 }  // namespace
@@ -87,15 +96,64 @@ void PartedInterpretation::Part::clear() {
   queryOffsets.clear();
   changes.clear();
   warnings.clear();
+  scene = {};
   hasFailed = false;
+  isOutOfPlace = false;
 }
 
 bool PartedInterpretation::run(const Interpretation::Subject& subject, const InterpretationOutput& output) {
   const unsigned threads = subject.derivation.options().threads;
+  const bool isScene = output.scene != nullptr;
+  if (threads <= 1 || output.records != nullptr || output.onModule || isScene == (output.queries != nullptr)) {
+    return false;
+  }
+  const bool mayBeParted = isScene ? subject.tables.mayDrawApart && mayDraw_ : subject.tables.hasIndependentBranches;
+  if (!mayBeParted || !findBranches(subject, threads)) {
+    return false;
+  }
+  starts_.assign(branches_.size(), {});
+  parts_.resize(std::max(parts_.size(), branches_.size()));
+  std::for_each(parts_.begin(), parts_.end(), [](Part& part) { part.clear(); });
+  around_.clear();
+  // the threads write parameters at the same time, in memory that the string shares with nobody
+  if (output.fillsQueries) {
+    static_cast<void>(subject.plantState.string.mutableParameters());
+  }
+  hasSpoken_ = false;
+  Expanders expanders = makeExpanders(subject, threads);
+
+  walkAround(subjectOf(subject, expanders, 0), output);
+  std::optional<SceneAssembly> assembly;
+  if (isScene) {
+    assembly.emplace(*output.scene, around_.scene, starts_);
+  }
+  if (!around_.hasFailed && !around_.isOutOfPlace) {
+    walkBranches(subject, output, expanders, threads, assembly ? &*assembly : nullptr);
+  }
+  const bool isTooMuch = [&] {
+    std::size_t queries = around_.queries.size() + (isScene ? 0 : output.queries->size());
+    for (const Part& part : parts_) {
+      queries += part.queries.size();
+    }
+    return queries > subject.derivation.options().limits.maximumQueries;
+  }();
+  const bool isDrawn = !assembly || assembly->finish();
+  if (hasFailed() || isTooMuch || !isDrawn || !appendChanges(output)) {
+    if (assembly) {
+      assembly->takeBack();
+      mayDraw_ = !isOutOfPlace();
+    }
+    takeBack(subject.plantState);
+    return false;
+  }
+  join(subject, output);
+  return true;
+}
+
+/// Returns false when they are not worth threads.
+bool PartedInterpretation::findBranches(const Interpretation::Subject& subject, unsigned threads) {
   const derivation::ModuleString& string = subject.plantState.string;
-  const bool isQueryPass =
-      output.queries != nullptr && output.scene == nullptr && output.records == nullptr && !output.onModule;
-  if (threads <= 1 || !isQueryPass || !subject.tables.hasIndependentBranches || string.size() < kSmallestString) {
+  if (string.size() < kSmallestString) {
     return false;
   }
   // most strings without branches are known by this, which costs a tenth of looking for the branches
@@ -109,55 +167,65 @@ bool PartedInterpretation::run(const Interpretation::Subject& subject, const Int
     covered += branch.endModule - branch.firstModule;
   }
   // one thread walks the modules around the branches
-  if (branches_.size() < 2 || covered < string.size() / 2) {
-    return false;
-  }
-  starts_.assign(branches_.size(), {});
-  parts_.resize(std::max(parts_.size(), branches_.size()));
-  std::for_each(parts_.begin(), parts_.end(), [](Part& part) { part.clear(); });
-  around_.clear();
-  // the threads write parameters at the same time, in memory that the string shares with nobody
-  static_cast<void>(subject.plantState.string.mutableParameters());
+  return branches_.size() >= 2 && covered >= string.size() / 2;
+}
 
-  walkAround(subject, output);
-  walkBranches(subject, output, threads);
-  const bool isTooMuch = [&] {
-    std::size_t queries = output.queries->size() + around_.queries.size();
-    for (const Part& part : parts_) {
-      queries += part.queries.size();
-    }
-    return queries > subject.derivation.options().limits.maximumQueries;
-  }();
-  if (hasFailed() || isTooMuch || !appendChanges(output)) {
-    takeBack(subject.plantState);
-    return false;
+PartedInterpretation::Expanders PartedInterpretation::makeExpanders(const Interpretation::Subject& subject,
+                                                                    unsigned threads) {
+  Expanders expanders;
+  if (!subject.tables.hasImages) {
+    return expanders;
   }
-  join(subject, output);
-  return true;
+  derivation::DerivationOptions options = subject.derivation.options();
+  options.threads = 1;
+  options.messages = [this](core::MessageKind, std::string_view) { hasSpoken_ = true; };
+  for (unsigned i = 0; i < threads; ++i) {
+    expanders.emplace_back(subject.program, options).beginInterpretation(subject.plantState);
+  }
+  return expanders;
 }
 
 void PartedInterpretation::walkAround(const Interpretation::Subject& subject, const InterpretationOutput& output) {
   interpretInto(around_, subject, output, [this](Interpretation& interpretation) {
     interpretation.runAround(branches_, starts_, around_.warnings);
+    return std::ranges::none_of(starts_, &Interpretation::BranchStart::isWithinShape);
   });
 }
 
 void PartedInterpretation::walkBranches(const Interpretation::Subject& subject, const InterpretationOutput& output,
-                                        unsigned threads) {
+                                        Expanders& expanders, unsigned threads, SceneAssembly* assembly) {
+  const auto walkBranch = [&](const Interpretation::Subject& own, std::size_t i) {
+    Part& part = parts_[i];
+    if (assembly != nullptr) {
+      part.scene = assembly->take();
+    }
+    interpretInto(part, own, output, [&](Interpretation& interpretation) {
+      const bool isInPlace = interpretation.runBranch(branches_[i], starts_[i], part.warnings);
+      if (assembly != nullptr && isInPlace) {
+        assembly->add(i, std::move(part.scene));
+      }
+      return isInPlace;
+    });
+  };
   core::WorkerTeam team(threads);
-  team.forEach(branches_.size(), [&](std::size_t i) {
-    // behind a cut or a failure there is nothing to do
-    if (starts_[i].isReached) {
-      interpretInto(parts_[i], subject, output, [this, i](Interpretation& interpretation) {
-        interpretation.runBranch(branches_[i], starts_[i], parts_[i].warnings);
-      });
+  std::atomic<std::size_t> next = 0;
+  team.onEveryWorker([&](unsigned worker) {
+    const Interpretation::Subject own = subjectOf(subject, expanders, worker);
+    for (std::size_t i = next++; i < branches_.size(); i = next++) {
+      // behind a cut there is nothing to do
+      if (starts_[i].isReached) {
+        walkBranch(own, i);
+      }
     }
   });
 }
 
 bool PartedInterpretation::hasFailed() const {
-  return around_.hasFailed ||
-         std::any_of(parts_.begin(), parts_.end(), [](const Part& part) { return part.hasFailed; });
+  return around_.hasFailed || isOutOfPlace() || std::ranges::any_of(parts_, &Part::hasFailed);
+}
+
+bool PartedInterpretation::isOutOfPlace() const {
+  return hasSpoken_ || around_.isOutOfPlace || std::ranges::any_of(parts_, &Part::isOutOfPlace);
 }
 
 bool PartedInterpretation::appendChanges(const InterpretationOutput& output) const {
@@ -187,10 +255,9 @@ bool PartedInterpretation::appendChanges(const InterpretationOutput& output) con
 }
 
 void PartedInterpretation::takeBack(derivation::PlantState& plantState) const {
-  const auto parameters = plantState.string.mutableParameters();
   const auto restore = [&](const Part& part) {
     std::for_each(part.changes.rbegin(), part.changes.rend(),
-                  [&](const ParameterChange& change) { parameters[change.offset] = change.before; });
+                  [&](const ParameterChange& change) { plantState.string.setParameter(change.offset, change.before); });
   };
   std::for_each(parts_.begin(), parts_.end(), restore);
   restore(around_);
@@ -200,7 +267,9 @@ void PartedInterpretation::join(const Interpretation::Subject& subject, const In
   Interpretation speaker(subject, output);
   const auto append = [&](const Part& part, const Interpretation::OutputMark& begin,
                           const Interpretation::OutputMark& end) {
-    appendQueries(*output.queries, part.queries, begin.queries, end.queries);
+    if (output.queries != nullptr) {
+      appendQueries(*output.queries, part.queries, begin.queries, end.queries);
+    }
     if (output.queryParameterOffsets != nullptr) {
       appendRange(*output.queryParameterOffsets, part.queryOffsets, begin.queries, end.queries);
     }
@@ -220,6 +289,8 @@ void PartedInterpretation::join(const Interpretation::Subject& subject, const In
     }
   }
   append(around_, done, wholeOf(around_));
+  Drawing(output.scene, subject.program.view, subject.plant).finish();
+  around_.scene = {};
 }
 
 }  // namespace espalier::turtle

@@ -41,7 +41,7 @@ GeometryKind kindOf(OrganKind kind) {
   return GeometryKind::Cylinder;
 }
 
-void addSegments(const std::vector<Segment>& segments, const SymbolOf& symbolOf, Geometry& geometry) {
+void addSegments(std::span<const Segment> segments, const SymbolOf& symbolOf, Geometry& geometry) {
   for (const Segment& segment : segments) {
     addSource(geometry.segments, {segment.plant, segment.module, segment.branchOrder}, segment.colour, symbolOf);
     geometry.start.push_back(segment.start);
@@ -76,7 +76,7 @@ void addMesh(const Mesh& mesh, Geometry& geometry) {
 
 void appendGeometry(Scene&& scene, const files::ViewSettings& view, const SymbolOf& symbolOf, Geometry& geometry) {
   geometry.areWidthsPixels = scene.lineStyle == files::LineStyle::Pixel;
-  addSegments(std::exchange(scene.segments, {}), symbolOf, geometry);
+  addSegments(std::exchange(scene.segments, {}).view(), symbolOf, geometry);
   // without its lines the scene's meshes are its organs
   const ExportInput input{.scene = scene, .view = view};
   MaterialTable materials;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/buffer.h"
 #include "engine/core/frame.h"
 #include "engine/core/vec3.h"
 #include "engine/files/view_settings.h"
@@ -24,6 +25,8 @@ struct Segment {
   std::uint32_t branchOrder = 0;
   std::uint32_t parent = kNoParent;  // the segment this one continues or branches from
   std::int32_t texture = 0;          // of the view file, from 1; 0: none
+
+  bool operator==(const Segment&) const = default;
 };
 
 /// A filled polygon `{...}`.
@@ -34,6 +37,8 @@ struct Polygon {
   std::uint64_t module = 0;  // of `{`
   std::uint32_t branchOrder = 0;
   std::uint32_t parent = kNoParent;  // the segment it grows on
+
+  bool operator==(const Polygon&) const = default;
 };
 
 /// A sphere or disc (@O, @o, @c).
@@ -48,6 +53,8 @@ struct Ball {
   std::uint64_t module = 0;
   std::uint32_t branchOrder = 0;
   std::uint32_t parent = kNoParent;  // the segment it grows on
+
+  bool operator==(const Ball&) const = default;
 };
 
 /// A predefined surface ~c placed by the turtle. The sampled mesh: row-major quads.
@@ -63,6 +70,8 @@ struct SurfaceInstance {
   std::uint64_t module = 0;
   std::uint32_t branchOrder = 0;
   std::uint32_t parent = kNoParent;  // the segment it grows on
+
+  bool operator==(const SurfaceInstance&) const = default;
 };
 
 /// A text label (@L).
@@ -74,6 +83,8 @@ struct Label {
   std::uint64_t module = 0;
   std::uint32_t branchOrder = 0;
   std::uint32_t parent = kNoParent;  // the segment it stands on
+
+  bool operator==(const Label&) const = default;
 };
 
 /// One point of a generalized cylinder.
@@ -90,6 +101,8 @@ struct CylinderPoint {
   bool hasSmoothRadius = false;     // the radius is a Hermite curve over that stretch (@Gr), else it changes linearly
   double startRadiusTangent = 0.0;  // its slopes: change of the radius per distance of the control points; 0: level
   double endRadiusTangent = 0.0;
+
+  bool operator==(const CylinderPoint&) const = default;
 };
 
 /// A generalized cylinder ({(t)...}(t) or @Gs ... @Ge).
@@ -103,6 +116,8 @@ struct GeneralizedCylinder {
   std::uint64_t module = 0;
   std::uint32_t branchOrder = 0;
   std::uint32_t parent = kNoParent;  // the segment it grows on
+
+  bool operator==(const GeneralizedCylinder&) const = default;
 };
 
 /// A 4x4 bicubic Bezier patch whose control points the turtle visited (@PS, @PC, @PD). World coordinates, row by row.
@@ -120,7 +135,7 @@ struct Patch {
 
 /// Everything a turtle drew. Plain data in world units.
 struct Scene {
-  std::vector<Segment> segments;
+  core::Buffer<Segment> segments;
   std::vector<Polygon> polygons;
   std::vector<Ball> balls;
   std::vector<SurfaceInstance> surfaces;
@@ -131,6 +146,17 @@ struct Scene {
 
   void clear();
   [[nodiscard]] bool empty() const;
+};
+
+/// How much a scene held at some time.
+struct SceneMark {
+  SceneMark() = default;
+  explicit SceneMark(const Scene& scene);
+  [[nodiscard]] bool isEmpty() const;
+  /// Takes back what the scene got since then.
+  void restore(Scene& scene) const;
+
+  std::size_t segments = 0, polygons = 0, balls = 0, surfaces = 0, cylinders = 0, patches = 0, labels = 0;
 };
 
 /// One entry of the turtle stream: the turtle's state after a module that moved it, drew something or is a

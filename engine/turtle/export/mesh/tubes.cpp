@@ -246,7 +246,7 @@ struct Joint {
   Kind kind = Kind::None;
 };
 
-Joint jointOf(const std::vector<Segment>& segments, std::uint32_t index, double sharpestJoint) {
+Joint jointOf(std::span<const Segment> segments, std::uint32_t index, double sharpestJoint) {
   const Segment& limb = segments[index];
   if (limb.parent >= index) {
     return {};
@@ -313,7 +313,7 @@ void carryAlong(const Scene& scene, SegmentChains& chains, const LineLook& look,
 }  // namespace
 
 std::vector<std::uint32_t> continuationsOf(const Scene& scene, double sharpestJoint, core::WorkerTeam& team) {
-  const std::vector<Segment>& segments = scene.segments;
+  const std::span<const Segment> segments = scene.segments.view();
   std::vector<Joint> joints(segments.size());
   forNumbers(team, segments.size(), [&](std::uint32_t i) { joints[i] = jointOf(segments, i, sharpestJoint); });
   std::vector<std::uint32_t> next(segments.size(), kNoParent);
@@ -339,7 +339,7 @@ std::vector<std::uint32_t> continuationsOf(const Scene& scene, double sharpestJo
 
 SegmentChains chainsOf(const Scene& scene, const Palette& palette, const LineLook& look, core::WorkerTeam& team) {
   SegmentChains chains;
-  const std::vector<Segment>& segments = scene.segments;
+  const std::span<const Segment> segments = scene.segments.view();
   chains.next = continuationsOf(scene, kSharpestJoint, team);
   const auto joins = [&](std::uint32_t i) { return segments[i].parent < i && chains.next[segments[i].parent] == i; };
   std::vector<std::uint8_t> isAlike(segments.size());  // each one and the one that it goes on from

@@ -236,23 +236,23 @@ class RsmlGrowth final : public GrowthExport {
 
   void finish() override {
     const RsmlFacts facts{.unit = unit_, .step = {}, .days = days_, .labels = labels_};
-    writeRoots(segments_, step_, facts, target_.sink);
+    writeRoots(segments_.view(), step_, facts, target_.sink);
   }
 
  private:
   const ExportTarget& target_;
   std::string unit_;
   const RsmlLabels* labels_ = nullptr;
-  std::uint64_t step_ = 0;         // of the last frame
-  std::vector<Segment> segments_;  // of the last frame
-  std::vector<double> days_;       // (segments)
+  std::uint64_t step_ = 0;          // of the last frame
+  core::Buffer<Segment> segments_;  // of the last frame
+  std::vector<double> days_;        // (segments)
   std::unordered_map<PlantPoint, double, PlantPointHash> firstDays_;
 };
 
 }  // namespace
 
 std::optional<std::string> writeRsml(const ExportInput& input, const ExportTarget& target) {
-  const std::span<const Segment> segments = input.scene.segments;
+  const std::span<const Segment> segments = input.scene.segments.view();
   const RsmlFacts facts{.unit = input.lengthUnit, .step = input.step, .days = {}, .labels = input.rsml};
   writeRoots(segments, input.step.value_or(0), facts, target.sink);
   return std::nullopt;

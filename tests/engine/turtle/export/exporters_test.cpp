@@ -335,7 +335,7 @@ TEST(Palette, ASceneThatSaysNothingAboutColourGoesFromBrownToGreen) {
 
 TEST(Palette, AFoldersColoursReplaceTheRamp) {
   Scene scene;
-  scene.segments.emplace_back();
+  scene.segments.push_back({});
   files::Palette colours;
   EXPECT_FALSE(Palette(scene, {}, &colours).folderMaterial(128));
   EXPECT_EQ(Palette(scene, {}, &colours).materialOf(scene.segments[0]),

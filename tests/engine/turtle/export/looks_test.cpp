@@ -80,7 +80,7 @@ TEST(Palette, APlantWithoutColoursIsBrownBesideOneThatHasColours) {
     segment.plant = 3;
   }
   const Scene plain = drawn("F[+F]");
-  scene.segments.insert(scene.segments.end(), plain.segments.begin(), plain.segments.end());
+  scene.segments.append(plain.segments.view());
   const Palette palette(scene, {});
   const auto isDefault = [&](const Segment& segment) {
     const Colour colour = palette.ofSegment(segment);

@@ -33,6 +33,12 @@ TEST(BranchParts, AreTheLargestBranchesThatAreNotTooLarge) {
 
 TEST(BranchParts, LoneBracketsMakeNone) {
   EXPECT_TRUE(partsOf("F]FF[FF", 0, 100).empty());
+  // behind one that closes nothing, and far inside others
+  EXPECT_EQ(partsOf("]F[FF]", 2, 2).size(), 1U);
+  const std::string deep(200, '[');
+  const auto inner = partsOf(deep + "FF" + std::string(200, ']'), 2, 2);
+  ASSERT_EQ(inner.size(), 1U);
+  EXPECT_EQ(inner[0].firstModule, 200U);
 }
 
 }  // namespace

@@ -31,6 +31,12 @@ TEST(InterpretationTables, BranchesAreIndependentWithoutScaledCalls) {
   EXPECT_FALSE(tablesOf("F[+F$]").hasIndependentBranches);
 }
 
+TEST(InterpretationTables, BranchesAreDrawnApartUnlessAPatchIsThere) {
+  EXPECT_TRUE(tablesOf("F[+F{F.}%]@O(1)~l@M(1,2)@GsF@Ge").mayDrawApart);
+  EXPECT_FALSE(tablesOf("F[@PS(1)@PD(1)]").mayDrawApart);
+  EXPECT_FALSE(tablesOf("F[+F$]").mayDrawApart);
+}
+
 TEST(InterpretationTables, CutsAreKnown) {
   EXPECT_FALSE(tablesOf("F@O(1)").hasCut);
   EXPECT_TRUE(tablesOf("F[%F]").hasCut);

@@ -13,7 +13,8 @@ TEST(SceneBounds, OfNothingAreNone) {
 
 TEST(SceneBounds, HoldEveryKindOfThing) {
   Scene scene;
-  scene.segments.emplace_back().end = {0.0, 2.0, 0.0};
+  scene.segments.push_back({});
+  scene.segments[0].end = {0.0, 2.0, 0.0};
   Ball& ball = scene.balls.emplace_back();
   ball.centre = {3.0, 0.0, 0.0};
   ball.diameter = 2.0;
