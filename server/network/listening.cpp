@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -68,15 +69,26 @@ std::optional<std::string> listenOn(tcp::acceptor& acceptor, const std::string& 
 
 std::optional<std::string> listenOnUnixSocket(asio::local::stream_protocol::acceptor& acceptor,
                                               const std::string& path) {
+  constexpr std::size_t kLongestPath = sizeof(::sockaddr_un::sun_path) - 1;
+  if (path.size() > kLongestPath) {
+    return "cannot listen on unix:" + path + ": the path has " + std::to_string(path.size()) + " bytes, and " +
+           std::to_string(kLongestPath) + " are the most. Choose a shorter path with --listen.";
+  }
   error_code error;
   const asio::local::stream_protocol::endpoint endpoint(path);
-  // a file that a killed server left behind is removed, that of a living server is not
+  // a socket that a killed server left behind is removed, that of a living server and any other file are not
+  struct stat found {};
+  const bool isThere = ::lstat(path.c_str(), &found) == 0;
+  if (isThere && !S_ISSOCK(found.st_mode)) {
+    return "cannot listen on unix:" + path +
+           ": a file that is no socket has this name. Choose another path with --listen.";
+  }
   asio::local::stream_protocol::socket probe(acceptor.get_executor());
   probe.connect(endpoint, error);
   if (!error) {
     return "cannot listen on unix:" + path + ": another server does. Choose another path with --listen.";
   }
-  if (error == asio::error::connection_refused) {
+  if (isThere && error == asio::error::connection_refused) {
     ::unlink(path.c_str());
   }
   error.clear();

@@ -238,6 +238,28 @@ class EveryTransport(unittest.TestCase):
             with self.assertRaisesRegex(ConnectionLost, "Nothing answers at unix:"):
                 Client("unix:" + path)
 
+    def test_a_unix_socket_takes_the_place_of_a_dead_socket_only(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            path, link = os.path.join(folder, "notes.txt"), os.path.join(folder, "link")
+            Path(path).write_text("notes", encoding="utf-8")
+            os.symlink(path, link)
+            for taken in (path, link):
+                refused = espalier("serve", "--listen", "unix:" + taken, status=1)
+                self.assertIn("a file that is no socket has this name. Choose another path with --listen.", refused.stderr)
+            self.assertEqual((Path(path).read_text(encoding="utf-8"), os.readlink(link)), ("notes", path))
+            refused = espalier("serve", "--listen", f"unix:{folder}/" + "x" * 200, status=1)
+            self.assertIn("and 107 are the most. Choose a shorter path with --listen.", refused.stderr)
+            # one that was killed leaves its socket behind
+            dead = os.path.join(folder, "dead")
+            killed = Server(listen="unix:" + dead)
+            killed.process.kill()
+            killed.stop()
+            self.assertTrue(os.path.exists(dead))
+            server = Server(listen="unix:" + dead)
+            self.addCleanup(server.stop)
+            with Client("unix:" + dead) as client:
+                self.assertEqual(client.simulations(), [])
+
     def test_encrypted(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             certificate, key = os.path.join(folder, "c.pem"), os.path.join(folder, "k.pem")
