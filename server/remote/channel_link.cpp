@@ -1,11 +1,48 @@
 #include "server/remote/channel_link.h"
 
 #include <algorithm>
+#include <exception>
+#include <new>
 
+#include "engine/core/work_meter.h"
 #include "protocol/codec.h"
 #include "protocol/version.h"
 
 namespace espalier::server {
+
+namespace {
+
+/// Ends the reading of a message at the deadline of the question: library code that does not ask gets no more memory.
+/// A program whose `new` tells no meter reads to the end.
+class ReadingMeter final : public core::WorkMeter {
+ public:
+  explicit ReadingMeter(Deadline deadline) : outer_(core::WorkMeter::current()), deadline_(deadline) {}
+
+  [[nodiscard]] bool take(std::int64_t bytes) noexcept override {
+    // the clock costs more than a small block
+    if (bytes > 0 && (++blocks_ % kBlocksOfALook == 0)) {
+      isLate_ = isLate_ || std::chrono::steady_clock::now() >= deadline_;
+    }
+    if (isLate_ && bytes > 0 && std::uncaught_exceptions() == 0) {
+      return false;
+    }
+    return outer_ == nullptr || outer_->take(bytes);
+  }
+  [[nodiscard]] bool isStopped() const noexcept override {
+    return isLate_ || (outer_ != nullptr && outer_->isStopped());
+  }
+  [[nodiscard]] bool isLate() const { return isLate_; }
+
+ private:
+  static constexpr std::uint32_t kBlocksOfALook = 1024;
+
+  core::WorkMeter* const outer_;  // null: nobody counts
+  Deadline deadline_;
+  std::uint32_t blocks_ = 0;
+  bool isLate_ = false;
+};
+
+}  // namespace
 
 struct ChannelLink::Transport {
   Transport(Descriptor input, Descriptor output, std::unique_ptr<ChildProcess> startedChild,
@@ -202,7 +239,18 @@ LinkOutcome ChannelLink::exchange(const protocol::MessageId& id, const std::stri
   protocol::MessageReader& reader = transport_->reader;
   bool isOver = false;
   while (true) {
-    auto read = reader.next();
+    std::optional<protocol::MessageReader::Read> read;
+    ReadingMeter meter(deadline);
+    try {
+      const core::WorkMeter::Scope scope(&meter);
+      read = reader.next();
+    } catch (const std::bad_alloc&) {
+      if (!meter.isLate()) {
+        throw;
+      }
+      // the rest of the message is gone, and the next one can be found
+      return tl::unexpected(failureOf(LineChannel::Status::Timeout, timeout));
+    }
     if (!read) {
       if (reader.lost()) {
         return tl::unexpected(LinkFailure{

@@ -341,6 +341,18 @@ class Hostile(unittest.TestCase):
                 grown(2001)
             self.assertEqual(caught.exception.code, 1006)
 
+    def test_an_answer_of_an_environment_is_read_for_so_long_at_most(self) -> None:
+        script = ("import json, sys\n"
+                  "for line in sys.stdin:\n"
+                  "    asked = json.loads(line)\n"
+                  "    replies = '[' + '[],' * 20_000_000 + '[]]' if asked['method'] == 'environment.step' else '[]'\n"
+                  "    print('{\"jsonrpc\":\"2.0\",\"id\":' + json.dumps(asked['id']) + ',\"result\":{\"replies\":' + replies + '}}', flush=True)\n")
+        with self.serve("environmentStepMilliseconds=1000").connect(timeout=SECONDS) as client:
+            plant = client.create("Lsystem: 1\nAxiom: ?E(0)A\nA --> A\nendlsystem\n", environment=[
+                {"type": "stdio", "command": stdio([sys.executable, "-c", script])[len("stdio:"):]}])
+            with self.assertRaisesRegex(ServerError, "did not answer within 1000 ms"):
+                plant.step()
+
     def test_steps_of_an_environment_take_so_long_at_most(self) -> None:
         server = self.serve("environmentStepMilliseconds=200")
         silent = self.peer(server)
