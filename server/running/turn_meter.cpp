@@ -37,9 +37,9 @@ std::uint64_t threadNanoseconds() noexcept {
 
 TurnMeter::~TurnMeter() {
   giveBack();
+  // the worker trims the heap when the task with its parameters is gone, too
   if (wasLarge_) {
     noteFreed(kLargeBytes);
-    trimHeap();
   }
 }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/remote/control_group.h"
+#include "server/remote/freed_memory.h"
 
 namespace espalier::server {
 namespace {
@@ -173,6 +174,7 @@ void WorkerPool::carryOut(Task task, std::unique_lock<std::mutex>& lock) {
   ++freeThreads_;
   lock.unlock();
   done.clear();
+  trimHeap();
   lock.lock();
 }
 

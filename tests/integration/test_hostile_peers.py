@@ -106,6 +106,18 @@ class Hostile(unittest.TestCase):
             time.sleep(0.1)
         self.assertLess(resident_bytes(server.process_id) - before, 60_000_000)
 
+    def test_an_idle_connection_keeps_no_memory_of_the_text_of_a_model(self) -> None:
+        server = self.serve("sourceBytes=100000000")
+        # memory that is taken once
+        self.assert_serves(server)
+        before = resident_bytes(server.process_id)
+        peer = self.peer(server)
+        self.assertIn("result", peer.ask("model.check", source=MODEL + "\n" * 28_000_000))
+        end = time.monotonic() + SECONDS
+        while resident_bytes(server.process_id) - before > 15_000_000 and time.monotonic() < end:
+            time.sleep(0.1)
+        self.assertLess(resident_bytes(server.process_id) - before, 15_000_000)
+
     def test_a_hello_that_trickles_in_is_given_up(self) -> None:
         server = self.serve("handshakeMilliseconds=300")
         slow = self.peer(server, greets=False)
