@@ -1,8 +1,15 @@
 #include "server/log.h"
 
+#include <poll.h>
 #include <spdlog/logger.h>
 #include <spdlog/sinks/stdout_sinks.h>
+#include <unistd.h>
 
+#include <climits>
+#include <cstdint>
+#include <mutex>
+
+#include "protocol/json_text.h"
 #include "protocol/json_writer.h"
 
 namespace espalier::server {
@@ -17,15 +24,49 @@ class Log::Implementation {
     logger_.flush_on(spdlog::level::trace);
   }
   void write(spdlog::level::level_enum level, std::string_view text, const LogSubject& subject) {
-    if (logger_.should_log(level)) {
-      const std::string line = isJson_ ? logMembers(text, subject) : logText(text, subject);
-      logger_.log(level, spdlog::string_view_t(line.data(), line.size()));
+    if (!logger_.should_log(level)) {
+      return;
     }
+    const std::lock_guard lock(mutex_);
+    if (!hasRoom()) {
+      ++missedCount_;
+      return;
+    }
+    if (missedCount_ > 0) {
+      put(spdlog::level::warn, std::to_string(missedCount_) + " lines are missing here: nobody read the log", {});
+      missedCount_ = 0;
+      if (!hasRoom()) {
+        ++missedCount_;
+        return;
+      }
+    }
+    put(level, text, subject);
   }
 
  private:
+  /// A pipe whose reader has stopped would keep every thread waiting that has something to say.
+  static bool hasRoom() {
+    ::pollfd output{STDERR_FILENO, POLLOUT, 0};
+    return ::poll(&output, 1, 0) != 0;
+  }
+  std::string lineOf(std::string_view text, const LogSubject& subject) const {
+    return isJson_ ? logMembers(text, subject) : logText(text, subject);
+  }
+  void put(spdlog::level::level_enum level, std::string_view text, const LogSubject& subject) {
+    // a pipe that has room has some for so many bytes
+    constexpr std::size_t kMostBytes = PIPE_BUF - 500;
+    std::string line = lineOf(protocol::beginningOf(text, kMostBytes), subject);
+    if (line.size() > PIPE_BUF - 100) {
+      // JSON makes six characters of some
+      line = lineOf(protocol::beginningOf(text, kMostBytes / 6), subject);
+    }
+    logger_.log(level, spdlog::string_view_t(line.data(), line.size()));
+  }
+
   const bool isJson_;
   spdlog::logger logger_;
+  std::mutex mutex_;
+  std::uint64_t missedCount_ = 0;  // lines for which there was no room
 };
 
 Log::Log(const std::string& level, const std::string& format)

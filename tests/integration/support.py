@@ -52,11 +52,11 @@ def strings(name: str, *arguments: str) -> List[str]:
 class Process:
     """A program of a test: started, its first line read from standard output or standard error, ended."""
 
-    def __init__(self, command: Sequence[str], *, speaks_on: str = "stdout", **more: str) -> None:
+    def __init__(self, command: Sequence[str], *, speaks_on: str = "stdout", pass_fds: Sequence[int] = (), **more: str) -> None:
         pipes = {speaks_on: subprocess.PIPE}
         self.process: "subprocess.Popen[str]" = subprocess.Popen(
             list(command), stdin=subprocess.DEVNULL, text=True, env=variables(**more),
-            stdout=pipes.get("stdout"), stderr=pipes.get("stderr"))
+            stdout=pipes.get("stdout"), stderr=pipes.get("stderr"), pass_fds=pass_fds)
         stream = self.process.stdout if speaks_on == "stdout" else self.process.stderr
         assert stream is not None
         self._stream = stream

@@ -1,10 +1,12 @@
 """`espalier serve` and `espalier status` as their operator sees them: configuration, log, status."""
 
 import json
+import os
 import subprocess
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Tuple
 
 from support import SECONDS, Process, espalier, program, variables
 
@@ -73,6 +75,33 @@ class Serving(unittest.TestCase):
         created = [line for line in lines if line["message"] == "created"]
         self.assertEqual([(line["simulation"], line["session"], line["level"]) for line in created],
                          [(simulation, "1", "info")])
+
+    def serve_with_a_pipe_for_its_log(self) -> Tuple[Process, int]:
+        reader, writer = os.pipe()
+        serve = Process(["bash", "-c", f'exec "$0" serve --listen 127.0.0.1:0 2>&{writer}', program()], pass_fds=(writer,))
+        self.addCleanup(serve.stop)
+        os.close(writer)
+        return serve, reader
+
+    def test_a_server_goes_on_when_the_reader_of_its_log_has_ended(self) -> None:
+        serve, reader = self.serve_with_a_pipe_for_its_log()
+        os.close(reader)
+        for _ in range(3):
+            with Client(serve.address, timeout=SECONDS) as client:
+                self.assertEqual(client.status()["simulations"], 0)
+
+    def test_a_server_goes_on_when_nobody_reads_its_log(self) -> None:
+        serve, reader = self.serve_with_a_pipe_for_its_log()
+        self.addCleanup(os.close, reader)
+        # more lines than a pipe holds
+        for _ in range(1000):
+            with Client(serve.address, timeout=SECONDS):
+                pass
+        os.set_blocking(reader, False)
+        self.assertGreater(len(os.read(reader, 1 << 20)), 50_000)
+        with Client(serve.address, timeout=SECONDS) as client:
+            client.status()
+            self.assertRegex(os.read(reader, 1 << 20).decode(), r"^\S+ warning [1-9][0-9]* lines are missing here: nobody read the log\n")
 
     def test_status_asks_a_running_server(self) -> None:
         serve = Process([program(), "serve", "--listen", "127.0.0.1:0", "--data", str(self.folder / "data"),

@@ -217,6 +217,8 @@ int runServe(CLI::App& command, ServeOptions& options) {
   }
   // a file that reaches the size limit fails one saving and does not end the server
   (void)std::signal(SIGXFSZ, SIG_IGN);
+  // nor does the end of the program that reads the log
+  (void)std::signal(SIGPIPE, SIG_IGN);
   const auto hostOf = [](const std::string& address) { return address.substr(0, address.rfind(':')); };
   options.server.pages = {{"/", "text/html; charset=utf-8", web::serverPage()},
                           {"/studio.js", "text/javascript; charset=utf-8", web::script(), web::packedScript()},
