@@ -170,8 +170,9 @@ std::optional<LinkFailure> ChannelLink::introduce() {
     // an environment asks for no token
     isServer = isRefused && failure->error.code == protocol::ErrorCode::Unauthorised;
     // a connection that was lost with the question serves nobody
-    if (transport_ != nullptr && ((isRefused && failure->error.code != protocol::ErrorCode::Version) ||
-                                  failure->kind == LinkFailure::Kind::Timeout)) {
+    const bool isFinal = isRefused && (failure->error.code == protocol::ErrorCode::Version ||
+                                       failure->error.code == protocol::ErrorCode::Limit);
+    if (transport_ != nullptr && ((isRefused && !isFinal) || failure->kind == LinkFailure::Kind::Timeout)) {
       failure.reset();
     }
   }

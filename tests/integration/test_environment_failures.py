@@ -150,6 +150,20 @@ class Failures(unittest.TestCase):
             self.assertEqual(espalier("derive", model, "--environment", f"tcp://{served.address}").stdout,
                              espalier("derive", model, "--environment", "height").stdout)
 
+    def test_connections_that_have_spoken_once_keep_no_server_out(self) -> None:
+        served = Process(["bash", "-c", 'ulimit -n 50; exec "$0" environment height --listen 127.0.0.1:0', program()])
+        self.addCleanup(served.stop)
+        host, port = served.address.rsplit(":", 1)
+        with ExitStack() as stack:
+            for _ in range(100):
+                peer = stack.enter_context(socket.create_connection((host, int(port)), SECONDS))
+                lines = stack.enter_context(peer.makefile("rb"))
+                peer.sendall(b'{"jsonrpc":"2.0","id":7,"method":"environment.describe"}\n')
+                self.assertIn(b"result", lines.readline())
+            model = str(self.folder / "model.l")
+            self.assertEqual(espalier("derive", model, "--environment", f"tcp://{served.address}").stdout,
+                             espalier("derive", model, "--environment", "height").stdout)
+
     def test_an_idle_connection_keeps_no_memory_of_its_largest_message(self) -> None:
         served = Process([program(), "environment", "height", "--listen", "127.0.0.1:0"])
         self.addCleanup(served.stop)

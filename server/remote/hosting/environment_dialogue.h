@@ -28,6 +28,7 @@ class EnvironmentDialogue {
   [[nodiscard]] std::optional<std::string> answer(const protocol::MessageReader::Read& read);
   /// Both sides named the capability `bin` in hello.
   [[nodiscard]] bool areBlocksAgreed() const { return areBlocksAgreed_; }
+  [[nodiscard]] bool hasSimulations() const { return !opened_.empty(); }
 
  private:
   struct Opened {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -21,6 +22,8 @@ struct HostAddress {
   bool isInsecureAllowed = false;  // an address that other machines reach: without encryption and without a token
   std::chrono::milliseconds firstMessage{10'000};  // time until a connection has sent its first message
   std::uint64_t heldBytes = 1'000'000'000;         // of all messages that have come in part
+  std::size_t connections = 0;                     // at a time; 0: as many as there are descriptors for
+  std::uint64_t memoryBytes = 0;  // of all simulations; 0: four fifths of the memory that the process may have
 };
 
 /// Serves a process over the protocol on a TCP address until SIGINT or SIGTERM. Calls `onListening` with the port when

@@ -12,6 +12,7 @@
 #include "environment/registry.h"
 #include "server/remote/hosting/environment_dialogue.h"
 #include "server/remote/remote_environment.h"
+#include "server/running/turn_meter.h"
 #include "tests/server/raw_peer.h"
 #include "tests/support/places.h"
 
@@ -218,6 +219,109 @@ TEST(EnvironmentHost, SilentConnectionsGiveWay) {
   EXPECT_TRUE(silent.front()->isClosed());
   EXPECT_NE(silent.back()->ask(kDescribe).find(R"("name":"height")"), std::string::npos);
   EXPECT_NE(speaking.ask(kDescribe).find(R"("name":"height")"), std::string::npos);
+}
+
+std::string closeRequest(int simulation) {
+  return R"({"jsonrpc":"2.0","id":1,"method":"environment.close","params":{"simulation":")" +
+         std::to_string(simulation) + "\"}}";
+}
+
+std::string openRequest(int simulation) {
+  return R"({"jsonrpc":"2.0","id":1,"method":"environment.open","params":{"simulation":")" +
+         std::to_string(simulation) + "\"}}";
+}
+
+TEST(EnvironmentHost, ConnectionsThatHaveSpokenAndHaveNoSimulationGiveWay) {
+  const Hosted hosted([] { return builtIn("height"); }, {.connections = 4});
+  const std::string address = hosted.address().substr(std::string_view("tcp://").size());
+  RawPeer used(address);
+  EXPECT_NE(used.ask(openRequest(1)).find("result"), std::string::npos);
+  std::vector<std::unique_ptr<RawPeer>> idle;
+  for (int i = 0; i < 8; ++i) {
+    idle.push_back(std::make_unique<RawPeer>(address));
+    EXPECT_NE(idle.back()->ask(kDescribe).find(R"("name":"height")"), std::string::npos);
+  }
+  EXPECT_TRUE(idle.front()->isClosed());
+  EXPECT_NE(idle.back()->ask(kDescribe).find(R"("name":"height")"), std::string::npos);
+  EXPECT_NE(used.ask(kDescribe).find(R"("name":"height")"), std::string::npos);
+}
+
+TEST(EnvironmentHost, AConnectionForWhichThereIsNoPlaceIsToldSo) {
+  const Hosted hosted([] { return builtIn("height"); }, {.connections = 2});
+  const std::string address = hosted.address().substr(std::string_view("tcp://").size());
+  RawPeer first(address);
+  RawPeer second(address);
+  EXPECT_NE(first.ask(openRequest(1)).find("result"), std::string::npos);
+  EXPECT_NE(second.ask(openRequest(2)).find("result"), std::string::npos);
+  RawPeer third(address);
+  EXPECT_NE(third.line().find("the limit 'connections' is 2, and this is 3. All of them have simulations."),
+            std::string::npos);
+  EXPECT_TRUE(third.isClosed());
+  // the user of a simulation reads it, too
+  const auto refused = connectRemoteEnvironment(hosted.address(), {});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_NE(refused.error().find("the limit 'connections' is 2"), std::string::npos) << refused.error();
+  // a connection that closes its simulation makes room
+  EXPECT_NE(first.ask(closeRequest(1)).find("result"), std::string::npos);
+  std::string answer;
+  for (int i = 0; i < 1000 && answer.find(R"("name":"height")") == std::string::npos; ++i) {
+    answer = RawPeer(address).ask(kDescribe);
+  }
+  EXPECT_NE(answer.find(R"("name":"height")"), std::string::npos) << answer;
+}
+
+/// Has much memory.
+class Hoard final : public EnvironmentProcess {
+ public:
+  [[nodiscard]] turtle::EnvironmentDescription describe() const override { return {}; }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> open(const turtle::EnvironmentContext&) override {
+    hoard_.resize(4'000'000);
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<turtle::EnvironmentError> step(const turtle::QueryBatch&, turtle::ReplyBatch&) override {
+    return std::nullopt;
+  }
+
+ private:
+  std::vector<char> hoard_;
+};
+
+TEST(EnvironmentHost, SimulationsHaveABoundOfTheirMemoryTogether) {
+  ASSERT_TRUE(isHeapMetered());
+  const Hosted hosted([] { return std::make_unique<Hoard>(); }, {.memoryBytes = 50'000'000});
+  const std::string address = hosted.address().substr(std::string_view("tcp://").size());
+  {
+    RawPeer hostile(address);
+    int opened = 0;
+    std::string answer = hostile.ask(openRequest(opened));
+    while (answer.find("result") != std::string::npos && opened < 100) {
+      answer = hostile.ask(openRequest(++opened));
+    }
+    EXPECT_GE(opened, 11);
+    EXPECT_LE(opened, 13);
+    EXPECT_NE(answer.find(R"("id":1,"error":{"code":1004,"message":"the limit 'memoryBytes' is 50000000)"),
+              std::string::npos)
+        << answer;
+    // one that is closed makes room
+    EXPECT_NE(hostile.ask(closeRequest(0)).find("result"), std::string::npos);
+    EXPECT_NE(hostile.ask(openRequest(0)).find("result"), std::string::npos);
+    // another connection that has little goes on
+    EXPECT_NE(RawPeer(address).ask(openRequest(0)).find("result"), std::string::npos);
+    // a message for which there is no room
+    hostile.send(R"({"jsonrpc":"2.0","id":1,"method":"environment.step","params":{"queries":[)");
+    for (int i = 0; i < 4000; ++i) {
+      hostile.send("[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],[],");
+    }
+    hostile.send("[]]}}\n");
+    answer = hostile.line();
+    EXPECT_NE(answer.find("the limit 'memoryBytes'"), std::string::npos) << answer;
+    EXPECT_TRUE(hostile.isClosed());
+  }
+  // what was held is there again
+  RawPeer next(address);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_NE(next.ask(openRequest(i)).find("result"), std::string::npos);
+  }
 }
 
 TEST(EnvironmentHost, AnAddressThatOtherMachinesReachIsRefusedUnlessAllowed) {
