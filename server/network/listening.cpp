@@ -108,6 +108,11 @@ std::optional<std::string> listenOnUnixSocket(asio::local::stream_protocol::acce
   return std::nullopt;
 }
 
+std::optional<FileIdentity> identityOf(const std::string& path) {
+  struct stat found {};
+  return ::lstat(path.c_str(), &found) == 0 ? std::optional(FileIdentity(found.st_dev, found.st_ino)) : std::nullopt;
+}
+
 std::size_t raiseDescriptorBound(std::size_t wanted) {
   ::rlimit bound{};
   if (::getrlimit(RLIMIT_NOFILE, &bound) != 0) {

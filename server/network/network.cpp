@@ -41,7 +41,8 @@ class Network::Implementation {
         sweep_(context_) {}
 
   ~Implementation() {
-    if (!unixPath_.empty()) {
+    // another server may listen on the path by now
+    if (!unixPath_.empty() && identityOf(unixPath_) == unixFile_) {
       ::unlink(unixPath_.c_str());
     }
   }
@@ -61,6 +62,7 @@ class Network::Implementation {
         return problem;
       }
       unixPath_ = path;
+      unixFile_ = identityOf(path);
     } else if (auto problem = listenOn(acceptor_, options.host, options.port, "--listen")) {
       return problem;
     }
@@ -328,6 +330,7 @@ class Network::Implementation {
   asio::ssl::context encryption_;
   bool isEncrypted_ = false;
   std::string unixPath_;  // of our socket; empty: none
+  std::optional<FileIdentity> unixFile_;
   asio::signal_set signals_;
   asio::steady_timer patience_;
   asio::steady_timer sweep_;

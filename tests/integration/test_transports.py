@@ -260,6 +260,20 @@ class EveryTransport(unittest.TestCase):
             with Client("unix:" + dead) as client:
                 self.assertEqual(client.simulations(), [])
 
+    def test_a_server_that_ends_leaves_the_unix_socket_of_another(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "socket")
+            first = Server(listen="unix:" + path)
+            self.addCleanup(first.stop)
+            os.remove(path)
+            second = Server(listen="unix:" + path)
+            self.addCleanup(second.stop)
+            first.stop()
+            with Client("unix:" + path) as client:
+                self.assertEqual(client.simulations(), [])
+            second.stop()
+            self.assertFalse(os.path.exists(path))
+
     def test_encrypted(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             certificate, key = os.path.join(folder, "c.pem"), os.path.join(folder, "k.pem")
