@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+import warnings
 from pathlib import Path
 
 from support import EXAMPLES, GALLERY, REPOSITORY, SECONDS, program, python, stdio, strings
@@ -53,6 +54,24 @@ class REnvironment(unittest.TestCase):
             self.assertEqual(tree.string(), same[-1])
         server.stop()
         script.communicate(timeout=SECONDS)
+
+    def test_a_warning_of_the_function_is_a_note(self) -> None:
+        server = Server(program(), arguments=["--log-level", "off"])
+        self.addCleanup(server.stop)
+        function = 'function(queries) { warning("the \\"well\\"\\nis dry"); queries$y }'
+        source = f'source("{REPOSITORY}/clients/r/R/espalier.R")\nattach_environment("well", "{server.address}", {function})'
+        script = subprocess.Popen(["Rscript", "-e", source], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        assert script.stderr is not None
+        self.assertEqual(script.stderr.readline().strip(), "well is offered")
+        with server.connect(timeout=60) as client, warnings.catch_warnings(record=True) as seen:
+            warnings.simplefilter("always")
+            plant = client.create("Lsystem: 1\nderivation length: 2\nAxiom: F(2)?E(1)\nF(x) --> F(x)\nendlsystem\n",
+                                  environment=[{"type": "offered", "name": "well"}])
+            plant.run()
+            self.assertIn("E(2)", plant.string())
+        self.assertEqual([str(one.message) for one in seen], ["the 'well' is dry"])
+        server.stop()
+        self.assertEqual(script.communicate(timeout=SECONDS), ("", ""))
 
     def test_without_a_server_it_says_what_to_start(self) -> None:
         source = f'source("{REPOSITORY}/clients/r/R/espalier.R")\nattach_environment("ceiling", "127.0.0.1:1", function(queries) queries$x)'

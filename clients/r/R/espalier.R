@@ -32,9 +32,24 @@ write_replies <- function(queries, answer) {
   paste0('{"replies":[', paste0('{"id":', queries$id, ',"parameters":[', numbers, "]}", collapse = ","), "]}")
 }
 
+# a sentence as a JSON text
+json_text <- function(text) paste0('"', gsub("[[:cntrl:]]", " ", gsub('["\\\\]', "'", text)), '"')
+
+# the answer to a step: warnings of the function are notes, which the user of the simulation reads
+answer_step <- function(queries, respond) {
+  if (nrow(queries) == 0) return('{"replies":[]}')
+  notes <- character()
+  answer <- withCallingHandlers(respond(queries), warning = function(said) {
+    notes <<- c(notes, json_text(conditionMessage(said)))
+    invokeRestart("muffleWarning")
+  })
+  paste0('{"notes":[', paste(notes, collapse = ","), "],", sub("{", "", write_replies(queries, answer), fixed = TRUE))
+}
+
 # Offers a function as the environment `name` to a server (HOST:PORT) and answers until the server ends. `respond` gets
 # a data frame with one row for each query and returns a number, or a row of numbers, for each row. An error in it fails
-# the step; the simulation stays at its last completed step. A server with tokens wants one: ESPALIER_TOKEN has it.
+# the step; the simulation stays at its last completed step. A `warning()` in it is said once to the user of the
+# simulation. A server with tokens wants one: ESPALIER_TOKEN has it.
 attach_environment <- function(name, address, respond, token = Sys.getenv("ESPALIER_TOKEN")) {
   parts <- regmatches(address, regexec("^(.*):([0-9]+)$", address))[[1]]
   if (length(parts) != 3) stop(sprintf("'%s' is not an address; write HOST:PORT, as in 127.0.0.1:4321", address))
@@ -61,14 +76,11 @@ attach_environment <- function(name, address, respond, token = Sys.getenv("ESPAL
     if (id == line) next  # a notification
     result <- switch(gsub('"', "", json_value(line, "method")),
       environment.describe = sprintf('{"name":"%s","needs":["position","parameters"]}', name),
-      environment.step = tryCatch({
-        queries <- read_queries(line)
-        if (nrow(queries) == 0) '{"replies":[]}' else write_replies(queries, respond(queries))
-      }, error = function(problem) problem),
+      environment.step = tryCatch(answer_step(read_queries(line), respond), error = function(problem) problem),
       "{}")  # open, close: nothing to do
     if (inherits(result, "error")) {
-      text <- gsub('["\\\\]', "'", conditionMessage(result))
-      say('"id":', id, ',"error":{"code":1006,"message":"The environment ', name, ' failed: ', text, '"}')
+      text <- paste0("The environment ", name, " failed: ", conditionMessage(result))
+      say('"id":', id, ',"error":{"code":1006,"message":', json_text(text), "}")
     } else {
       say('"id":', id, ',"result":', result)
     }

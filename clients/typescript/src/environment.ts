@@ -36,6 +36,8 @@ export interface Step {
   queries: Query[];
   /** The shapes of the plants, for an environment whose `needs` have `geometry`. */
   geometry?: Geometry;
+  /** Says a sentence to the user of the simulation, as "no query lies in the field". The same sentence is shown once. */
+  note(sentence: string): void;
 }
 
 /** The answer to one query: new parameters; null, undefined or a shorter list keep what the module has. */
@@ -103,20 +105,21 @@ function queriesOf(params: StepParams, blocks: Columns): Query[] {
   });
 }
 
-function repliesOf(queries: Query[], replies: Reply[], isBinary: boolean): Answer {
+function repliesOf(queries: Query[], replies: Reply[], notes: string[], isBinary: boolean): Answer {
   if (!Array.isArray(replies) || replies.length !== queries.length) {
     const found = Array.isArray(replies) ? String(replies.length) : typeof replies;
     throw new ServerError(Code.internal, `The environment must return ${queries.length} replies, one for each query; it returned ${found}.`);
   }
   const lists = replies.map((reply) => (reply === null || reply === undefined ? [] : typeof reply === "number" ? [reply] : reply));
+  const said = notes.length > 0 ? { notes } : {};
   if (!isBinary) {
-    return { result: { replies: lists.flatMap((parameters, i) => (parameters.length ? [{ id: queries[i].id, parameters }] : [])) } };
+    return { result: { ...said, replies: lists.flatMap((parameters, i) => (parameters.length ? [{ id: queries[i].id, parameters }] : [])) } };
   }
   const offsets = new Uint32Array(lists.length + 1);
   lists.forEach((list, i) => (offsets[i + 1] = offsets[i] + list.length));
   const values = lists.flat();
   return {
-    result: {},
+    result: said,
     blocks: [
       { name: "parameters", values: Float64Array.from(values, (value) => value ?? 0) },
       { name: "parameterOffset", values: offsets },
@@ -153,8 +156,10 @@ export function environmentHandler(environment: Environment): (method: string, p
           geometry.apply(params.geometry, blocks);
           geometries.set(simulation, geometry);
         }
-        const replies = await environment.step({ simulation, step, iteration: iteration ?? 0, time: time ?? 0, queries, geometry });
-        return repliesOf(queries, replies, blocks["plant"] !== undefined);
+        const notes: string[] = [];
+        const note = (sentence: string) => void notes.push(sentence);
+        const replies = await environment.step({ simulation, step, iteration: iteration ?? 0, time: time ?? 0, queries, geometry, note });
+        return repliesOf(queries, replies, notes, blocks["plant"] !== undefined);
       }
       case "environment.save":
         if (environment.save) {

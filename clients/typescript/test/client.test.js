@@ -147,20 +147,23 @@ test("an environment in TypeScript grows the same plant as one in Python's proto
   const seen = [];
   await peer.offer("ceiling", {
     describe: () => ({ name: "ceiling", needs: ["position", "following"], outputs: [{ name: "light", unit: "1" }] }),
-    step({ queries, step }) {
+    step({ queries, step, note }) {
       seen.push([step, queries.length, queries[0]?.position?.length]);
+      note("the sky is clear");
       return queries.map((query) => (query.position[1] < 6 ? 1 : 0));
     },
   });
   const simulation = await client.create({ model: { gallery: "light-tree" }, seed: 7, environment: [{ type: "offered", name: "ceiling" }] });
-  await simulation.run();
+  const { warnings } = await simulation.run();
+  assert.deepEqual(warnings, ["the sky is clear"]);
   const grown = await simulation.string();
   const script = join(mkdtempSync(join(tmpdir(), "espalier-")), "ceiling.mjs");
   writeFileSync(script, `import { serveStdio } from ${JSON.stringify(join(here, "../dist/node.js"))};
-await serveStdio({ step: ({ queries }) => queries.map((query) => [query.position[1] < 6 ? 1 : 0]) }, "ceiling");\n`);
+await serveStdio({ step: ({ queries, note }) => (note("dusk"), queries.map((query) => [query.position[1] < 6 ? 1 : 0])) }, "ceiling");\n`);
   const alone = spawnSync(program, ["derive", join(gallery, "light-tree"), "--seed", "7", "--environment", `stdio:node ${script}`], { encoding: "utf8" });
   rmSync(dirname(script), { recursive: true });
   assert.equal(alone.stdout.trim(), grown, alone.stderr);
+  assert.deepEqual(alone.stderr.match(/dusk/g), ["dusk"]);
   assert.ok(seen.length > 3 && seen.some(([, queries, length]) => queries > 1 && length === 3));
   peer.close();
 });
