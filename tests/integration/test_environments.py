@@ -1,5 +1,6 @@
 """Environments in and out of the process, in C++ and in Python: the same plant, bit by bit; and what happens when one dies."""
 
+import asyncio
 import json
 import re
 import subprocess
@@ -12,7 +13,7 @@ from typing import List
 
 from support import EXAMPLES, GALLERY, PACKAGE, Process, espalier, model, program, python, stdio, strings
 
-from espalier import Client, Server, ServerError
+from espalier import AsyncClient, Client, EspalierError, Server, ServerError, local
 
 RADIUS = "0.5"
 
@@ -50,6 +51,27 @@ class Transports(unittest.TestCase):
         self.same("branch-tiers", stdio([*built_in, "--stdio"]), stdio(in_python),
                   self.listening([*built_in, "--listen", "127.0.0.1:0"]),
                   self.listening([*in_python, "--listen", "127.0.0.1:0"]))
+
+    def test_an_environment_is_no_server_for_python(self) -> None:
+        address = self.listening([program(), "environment", "height", "--listen", "127.0.0.1:0"])[len("tcp://"):]
+
+        async def connect() -> None:
+            async with AsyncClient(address):
+                pass
+
+        for connecting in (lambda: Client(address), lambda: asyncio.run(connect())):
+            with self.assertRaisesRegex(EspalierError, f"^At {address} is an environment, not a server. .*environment='tcp://{address}'"):
+                connecting()
+
+    def test_a_program_is_no_name_of_an_environment(self) -> None:
+        cut = self.write("cut.json", '{"type":\n "honda",}')
+        with local(program()) as client:
+            for name, message in (("well.py", "'well.py' is a program, .*: 'stdio:python3 well.py' lets the server start it. Or give its class."),
+                                  ("python3 well.py", "'python3 well.py' is a program, .*: 'stdio:python3 well.py' lets"),
+                                  ("well.R", "'well.R' is a program, .*: 'stdio:Rscript well.R' lets the server start it.$"),
+                                  (cut, "cut.json:2:10: the environment is not valid JSON: ")):
+                with self.subTest(name), self.assertRaisesRegex(EspalierError, message):
+                    client.create("Lsystem: 1\nAxiom: F?E(1)\nF --> F\nendlsystem\n", environment=name)
 
     def test_growth_in_space_is_the_same_in_python(self) -> None:
         self.same("ulam-warburton-3d", stdio(python(EXAMPLES / "honda.py", "--radius", RADIUS, "--3d")))

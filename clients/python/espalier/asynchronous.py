@@ -18,7 +18,7 @@ from typing import Any, AsyncIterator, Callable, Dict, List, Mapping, Optional, 
 from . import async_channel, client as blocking, requests, wire
 from .environment_entries import Environments, entries
 from .errors import ConnectionLost, EspalierError, warn_about, warn_of_run
-from .hosting import CLIENT_ROLES, hello_parameters
+from .hosting import CLIENT_ROLES, hello_parameters, require_server
 from .model_folder import ModelSource
 from .requests import Inbox, NewModule, Request, Result, result_of
 from .shapes import CompiledModel, Frame, StepResult, TurtleRecord, Vector, step_of
@@ -80,6 +80,7 @@ class AsyncClient:
             self.server = await asyncio.wait_for(
                 self._call("hello", hello_parameters(self._name, CLIENT_ROLES, self._token), self._channel.agree),
                 self._connect_timeout)
+            require_server(self.server, self._address)
         except asyncio.TimeoutError:
             await self.close()
             raise ConnectionLost(f"{self._address} did not answer within {self._connect_timeout:g} seconds. "

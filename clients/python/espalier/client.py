@@ -22,7 +22,7 @@ from .environment_entries import Environments, entries
 from .model_folder import ModelSource
 from .connecting import connect
 from .errors import ConnectionLost, EspalierError, warn_about, warn_of_run
-from .hosting import CLIENT_ROLES, hello_parameters
+from .hosting import CLIENT_ROLES, hello_parameters, require_server
 from .plotting import plotted
 from .requests import Inbox, NewModule, Request, Result, result_of
 from .shapes import CompiledModel, Frame, StepResult, TurtleRecord, Vector, step_of
@@ -68,6 +68,7 @@ class Client:
         self._waiting: Set[int] = set()
         try:
             self.server: Mapping[str, Any] = self.call("hello", hello_parameters(name, CLIENT_ROLES, token))
+            require_server(self.server, channel.peer)
             channel.agree(self.server)
         except BaseException:
             channel.close()

@@ -50,7 +50,10 @@ def _named(text: str) -> List[Dict[str, Any]]:
         if not path.is_file():
             raise EspalierError(f"There is no environment file '{text}' (the working folder is {Path.cwd()}).")
         if text.endswith(".json"):
-            read = json.loads(path.read_text(encoding="utf-8"))
+            try:
+                read = json.loads(path.read_text(encoding="utf-8"))
+            except json.JSONDecodeError as error:
+                raise EspalierError(f"{text}:{error.lineno}:{error.colno}: the environment is not valid JSON: {error.msg}.") from None
             return [dict(entry) for entry in (read if isinstance(read, list) else [read])]
         # with the files that it names
         content = path.read_text(encoding="utf-8", errors="replace")
@@ -63,4 +66,9 @@ def _named(text: str) -> List[Dict[str, Any]]:
                                  ("offered:", "offered", "name")):
         if text.startswith(prefix):
             return [{"type": kind, member: text[len(prefix):]}]
+    starter = "python3 " if text.endswith(".py") else "Rscript " if text.endswith(".R") else ""
+    if starter or " " in text:
+        starter = "" if " " in text else starter
+        own = " Or give its class." if text.endswith(".py") else ""
+        raise EspalierError(f"'{text}' is a program, not the name of an environment: 'stdio:{starter}{text}' lets the server start it.{own}")
     return [{"type": text}]

@@ -14,7 +14,7 @@ import threading
 import time
 import traceback
 from types import TracebackType
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 from . import wire
 from .blocks import Blocks, numpy
@@ -377,6 +377,13 @@ def hello_parameters(name: str, roles: Sequence[str], token: Optional[str] = Non
     if token is not None:
         parameters["token"] = token
     return parameters
+
+
+def require_server(hello: Mapping[str, Any], address: str) -> None:
+    """A server grants roles in its answer to hello, an environment none."""
+    if not hello.get("roles"):
+        raise EspalierError(f"At {address} is an environment, not a server. `espalier serve` starts a server; a model asks this "
+                            f"environment by environment='tcp://{address.removeprefix('tcp://')}'.")
 
 
 def hello_result(name: str, parameters: Dict[str, Any]) -> Dict[str, Any]:

@@ -28,7 +28,7 @@ class FakeServer:
         self.far = wire.SocketChannel(far, "the client")
         self.received: List[wire.Message] = []
         self.before: Dict[str, List[wire.Message]] = {}  # sent before the answer of a method
-        self._results = {"hello": {"protocol": 1, "session": "1"}, **results}
+        self._results = {"hello": {"protocol": 1, "session": "1", "roles": ["controller", "viewer"]}, **results}
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
