@@ -11,10 +11,11 @@ struct Limits {
   std::uint32_t maximumArity = 1000;                  // parameters of one module
   std::uint64_t maximumLoopIterations = 100'000'000;  // loop turns in one execution of a block
   std::uint32_t maximumRecursion = 10'000;            // depth of decomposition or homomorphism; holds for every model
-  std::uint64_t maximumQueries = 100'000'000;         // communication modules in one step
-  std::uint32_t maximumTurtleStack = 1'000'000;       // open brackets while interpreting
-  std::uint32_t maximumOpenFiles = 256;               // files that one plant has open at once (fopen)
-  std::uint64_t maximumFileBytes = 1'000'000'000;     // written to files in one step, and kept of one file
+  std::uint64_t maximumHomomorphismModules = 50'000'000;  // that the homomorphism makes of one module of the string
+  std::uint64_t maximumQueries = 100'000'000;             // communication modules in one step
+  std::uint32_t maximumTurtleStack = 1'000'000;           // open brackets while interpreting
+  std::uint32_t maximumOpenFiles = 256;                   // files that one plant has open at once (fopen)
+  std::uint64_t maximumFileBytes = 1'000'000'000;         // written to files in one step, and kept of one file
 
   // reading a model
   std::uint64_t maximumSourceBytes = 64'000'000;  // text after preprocessing

@@ -266,12 +266,21 @@ void Rewriter::applyNested(const Production& production, const ProductionList& l
 void Rewriter::rewriteLevels(const ProductionList& list, const ContextRules& rules, const Surroundings& surroundings,
                              bool dropsCut, ModuleString& output) {
   const auto check = [&](const ModuleString& string, std::uint32_t depth, const Production& production) {
-    if (isTooLarge(string.size(), string.parameterCount())) {
-      failSize(string.size(),
-               dropsCut ? "the output of the homomorphism for this module, at depth " + std::to_string(depth) + ","
-                        : "the string",
-               dropsCut ? production.range : core::SourceRange{});
+    const bool isTooLong = dropsCut && string.size() > limits_->maximumHomomorphismModules;
+    if (!isTooLong && !isTooLarge(string.size(), string.parameterCount())) {
+      return;
     }
+    const std::string what =
+        dropsCut ? "the output of the homomorphism for this module, at depth " + std::to_string(depth) + ","
+                 : "the string";
+    if (isTooLong) {
+      // a bound of its own, because productions that always apply to their own output would fill the memory first
+      evaluator_->failHere(core::SimulationErrorCode::LimitExceeded,
+                           what + " has more than " + std::to_string(limits_->maximumHomomorphismModules) +
+                               " modules (limit homomorphismModules): a smaller 'maximum depth' ends it earlier",
+                           production.range);
+    }
+    failSize(string.size(), what, dropsCut ? production.range : core::SourceRange{});
   };
   std::uint64_t handled = 0;
   while (!levels_.empty()) {

@@ -88,6 +88,8 @@ constexpr std::array kEntries{
     ofSimulation<&Simulation::maximumArity>("arity", "parameters of one module"),
     ofSimulation<&Simulation::maximumLoopIterations>("loopIterations", "turns of loops in one execution of a block"),
     ofSimulation<&Simulation::maximumRecursion>("recursion", "depth of decomposition or homomorphism"),
+    ofSimulation<&Simulation::maximumHomomorphismModules>("homomorphismModules",
+                                                          "modules that the homomorphism makes of one module"),
     ofSimulation<&Simulation::maximumTurtleStack>("turtleStack", "brackets open at a time"),
     ofSimulation<&Simulation::maximumOpenFiles>("openFiles", "files that a model has open at a time"),
     ofSimulation<&Simulation::maximumFileBytes>("fileBytes", "bytes that a model writes to a file in one step"),

@@ -357,6 +357,13 @@ TEST(Derivation, AHomomorphismBombNamesItsProductionAndDepth) {
       messageOf(options),
       "step 1, plant 0, module 1 ('A', model.l:7:1): the output of the homomorphism for this module, at depth 30, "
       "needs more than 5000 bytes (limit stringBytes). The simulation stays at step 0.");
+  options.limits = {};
+  options.limits.maximumHomomorphismModules = 500;
+  EXPECT_EQ(
+      messageOf(options),
+      "step 1, plant 0, module 1 ('A', model.l:7:1): the output of the homomorphism for this module, at depth 30, "
+      "has more than 500 modules (limit homomorphismModules): a smaller 'maximum depth' ends it earlier. The "
+      "simulation stays at step 0.");
 }
 
 TEST(Derivation, HomomorphismSeesTheRealStringAndConsumesItsPredecessor) {
