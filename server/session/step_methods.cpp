@@ -73,6 +73,17 @@ void answerWithState(SimulationRunner& runner, Session& session, const protocol:
   session.respond(id, protocol::encode(result));
 }
 
+/// The error of a step, with what the model has printed before it.
+protocol::Error withPrinted(SimulationRunner& runner, protocol::Error error) {
+  if (const std::string printed = runner.hosted().takePrinted(); !printed.empty()) {
+    protocol::JsonWriter data;
+    data.beginObject().key("printed").text(printed);
+    const std::string_view others = error.data.size() > 2 ? std::string_view(error.data).substr(1) : "}";
+    error.data = data.view() + (others == "}" ? "" : ",") + std::string(others);
+  }
+  return error;
+}
+
 bool isDone(const simulation::Simulation& simulation, const StepProgress& progress) {
   return simulation.isFinished() || (progress.params.until ? simulation.completedSteps() >= *progress.params.until
                                                            : progress.madeSteps >= progress.params.steps);
@@ -129,7 +140,7 @@ bool advanceSteps(SimulationRunner& runner, Command& command, Session& session, 
                             : runner.reasonOf(*error);
     runner.setLastError(reason.message);
     runner.publishEndOf(command);
-    session.respondError(id, reason);
+    session.respondError(id, withPrinted(runner, reason));
     if (isMade) {
       runner.publishState(true);
     }

@@ -61,6 +61,13 @@ class RunWarnings(unittest.TestCase):
         self.assertRegex(first, r"\n\[[0-9]+ bytes more were printed\]\n$")
         self.assertTrue(talker.step().printed.startswith("line 0.000000\n"))
 
+    def test_what_it_prints_before_a_step_fails_comes_with_the_error(self) -> None:
+        plant = self.client.create('Lsystem: 1\nderivation length: 3\nAxiom: A(1)\n'
+                                   'A(x) : { printf("x is %g\\n", x); } 1 --> F(sqrt(2-x))A(x+1)\nendlsystem\n')
+        with self.assertRaises(ServerError) as caught:
+            plant.run()
+        self.assertEqual((caught.exception.step, caught.exception.printed), (2, "x is 1\nx is 2\nx is 3\n"))
+
     def test_where_the_gallery_is_stays_unknown(self) -> None:
         with tempfile.TemporaryDirectory() as gallery:
             for name, condition in (("warns", "1"), ("fails", "{ y=1; while (y > 0) { y = y+1; } } 1")):

@@ -114,6 +114,11 @@ class ServerError(EspalierError):
         found = self._member("step")
         return found if isinstance(found, int) else None
 
+    @property
+    def printed(self) -> str:
+        """What the model has printed (`printf`) since the last answer, before a step failed."""
+        return str(self._member("printed") or "")
+
 
 def warn_of_run(sentences: Sequence[str]) -> None:
     """Shows the warnings of steps, at the line of the caller's caller."""

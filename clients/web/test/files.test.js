@@ -24,6 +24,7 @@ const surface = await load("surface.ts");
 const turns = await load("turns.ts");
 const { archiveOf } = await load("archive.ts");
 const { Frames } = await load("frames.ts");
+const { textOfError } = await load("plants.ts");
 const { webmOf } = await load("webm.ts");
 
 const NEW_PANEL = `target: Lsystem
@@ -65,6 +66,12 @@ type: LABEL
 name: shape
 origin: 5 5
 `;
+
+test("an error of a step says what the model has printed before it", () => {
+  const failed = Object.assign(new Error("step 2: A became NaN."), { data: { step: 1, printed: "x is 1\nx is -1\n" } });
+  assert.equal(textOfError(failed), "step 2: A became NaN. The model printed: x is 1 · x is -1");
+  assert.equal(textOfError(new Error("No answer.")), "No answer.");
+});
 
 test("a panel is read in both formats, and its mistakes are named", () => {
   assert.ok(panel.isPanel(NEW_PANEL));

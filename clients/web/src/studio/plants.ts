@@ -95,6 +95,12 @@ async function changedOnDisk(client: Client, { gallery, files, binary }: Documen
   }
 }
 
+/** An error in words, with what the model has printed before it. */
+export function textOfError(error: unknown): string {
+  const { message, data } = error as Error & { data?: { printed?: string } };
+  return `${message} ${textOfSteps({ printed: data?.printed })}`.trim();
+}
+
 /** What the model and its environments said in steps, as one line: warnings, then the last that was printed. */
 export function textOfSteps({ warnings = [], printed = "" }: { warnings?: string[]; printed?: string }): string {
   const lines = printed.trim().split("\n").slice(-5);

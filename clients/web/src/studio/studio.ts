@@ -17,7 +17,7 @@ import { folderPalette } from "./palette.js";
 import { Recolours } from "./recolours.js";
 import { Watched } from "./watched.js";
 import { unpacked } from "./share.js";
-import { checkDocument, createPlant, isTokenRefused, keepText, keptOf, restored, textOfSteps } from "./plants.js";
+import { checkDocument, createPlant, isTokenRefused, keepText, keptOf, restored, textOfError, textOfSteps } from "./plants.js";
 import type { Connection, EnvironmentEntry, GalleryEntry } from "./types.js";
 
 const CHECK_MILLISECONDS = 250;
@@ -117,13 +117,12 @@ export class Studio {
   }
 
   fail(error: unknown): void {
-    const { message } = error as Error;
     if (error instanceof ServerError && error.data.diagnostics) {
       this.diagnostics = error.data.diagnostics as Diagnostic[];
       this.message = { text: "The model has errors. The problems are listed below the text.", isError: true };
     } else {
       this.connection = isTokenRefused(error) ? "token" : this.connection;
-      this.message = { text: message, isError: true };
+      this.message = { text: textOfError(error), isError: true };
     }
   }
 
