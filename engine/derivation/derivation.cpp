@@ -170,6 +170,10 @@ void Derivation::Implementation::deriveRecorded(PlantState& state, ModuleRecord&
 }
 
 void Derivation::Implementation::rewind(PlantState& state, const ModuleString* start) {
+  // a run from the beginning says again what the run before it has said
+  context_.evaluator.forgetWarnings();
+  context_.rewriter.forgetWarnings();
+
   // a failure leaves the old state as it is, because everything is made in a fresh one
   PlantState fresh;
   fresh.derivationLength = options().derivationLength.value_or(program_.derivationLength);

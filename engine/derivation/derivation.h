@@ -43,8 +43,8 @@ class Derivation {
   /// The next rewind draws from this seed, which replaces the model's `seed:`.
   void setSeed(std::uint64_t seed);
 
-  /// Sets `state` to step 0: define blocks, Start, the axiom. `start` takes the axiom's place, when it is given; its
-  /// types are those of the program.
+  /// Sets `state` to step 0: define blocks, Start, the axiom. Warnings may come again that came before. `start` takes
+  /// the axiom's place, when it is given; its types are those of the program.
   void rewind(PlantState& state, const ModuleString* start = nullptr);
 
   /// One DerivationStep after the environment pass (docs/language.md, 1.5): counter, StartEach, the scan with

@@ -55,6 +55,8 @@ class Rewriter {
 
   /// Is silent from now on about the lists about which `other`, of the same Program, has warned, and only about these.
   void adoptWarnings(const Rewriter& other) { warnedLists_ = other.warnedLists_; }
+  /// Warns about every list again.
+  void forgetWarnings() { warnedLists_.clear(); }
 
   /// Whether it has warned about the maximum depth of the list.
   [[nodiscard]] bool hasWarnedAbout(const language::ProductionList& list) const {

@@ -282,6 +282,7 @@ void Simulation::Implementation::begin() {
     deliverFiles(plant, population_.program(plant), plants[plant]);
   }
   changes_.forget();
+  answerPass_.forgetWarnings();
   population_.setStates(std::move(plants));
   worldVariables_.set(population_, options_.world, 0);
   transaction_ = StepTransaction(population_.size());

@@ -323,6 +323,7 @@ std::optional<protocol::Error> HostedSimulation::saveNew() {
 
 std::optional<protocol::Error> HostedSimulation::reset(std::optional<std::uint64_t> seed) {
   if (!seed) {
+    messages_->forgetWarnings();
     return change(stateBefore(), [this] { return simulation_->rewind(); });
   }
   // a simulation has its seed for life: make another, which takes the place of the old one when it is ready

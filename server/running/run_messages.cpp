@@ -23,6 +23,11 @@ std::vector<std::string> RunMessages::takeWarnings() {
   return std::exchange(waiting_, {});
 }
 
+void RunMessages::forgetWarnings() {
+  const std::lock_guard lock(mutex_);
+  said_ = {waiting_.begin(), waiting_.end()};
+}
+
 std::string RunMessages::takePrinted() {
   const std::lock_guard lock(mutex_);
   std::string printed = std::exchange(printed_, {});

@@ -13,7 +13,8 @@
 namespace espalier::server {
 
 /// What a simulation says in its steps until the next answer takes it: warnings, and what the model prints. The same
-/// warning comes once, and of one simulation the first 50 come: a model can make a different one in each step.
+/// warning comes once, and of one simulation the first 50 come until it is reset: a model can make a different one in
+/// each step.
 /// Thread-safe.
 class RunMessages {
  public:
@@ -23,6 +24,8 @@ class RunMessages {
   /// Where the simulation sends its messages. Files of the gallery are named as within it.
   [[nodiscard]] static core::MessageSink sinkOf(const std::shared_ptr<RunMessages>& messages, std::string gallery);
   [[nodiscard]] std::vector<std::string> takeWarnings();
+  /// The simulation is reset: the same warnings may come again.
+  void forgetWarnings();
   /// The beginning of what was printed, with a line that says how many bytes are missing.
   [[nodiscard]] std::string takePrinted();
 

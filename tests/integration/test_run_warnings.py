@@ -68,6 +68,15 @@ class RunWarnings(unittest.TestCase):
             plant.run()
         self.assertEqual((caught.exception.step, caught.exception.printed), (2, "x is 1\nx is 2\nx is 3\n"))
 
+    def test_a_reset_simulation_warns_again(self) -> None:
+        plant = self.client.create(MODEL, environment=[self.client.attach(Well)])
+        with warnings.catch_warnings(record=True):
+            warnings.simplefilter("always")
+            first = plant.run().warnings
+            self.assertEqual(self.said(first), [DRY, DIVISION])
+            plant.reset()
+            self.assertEqual(plant.run().warnings, first)
+
     def test_where_the_gallery_is_stays_unknown(self) -> None:
         with tempfile.TemporaryDirectory() as gallery:
             for name, condition in (("warns", "1"), ("fails", "{ y=1; while (y > 0) { y = y+1; } } 1")):

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -78,6 +79,8 @@ class Evaluator {
   void setMessages(core::MessageSink messages) { options_.messages = std::move(messages); }
   /// Is silent from now on at the places where `other`, of the same Program, has warned, and only there.
   void adoptWarnings(const Evaluator& other) { hasWarned_ = other.hasWarned_; }
+  /// Warns at every place again.
+  void forgetWarnings() { std::ranges::fill(hasWarned_, std::uint8_t{0}); }
 
   /// Reports a warning with a place in the model, if the caller has given a message sink.
   void warn(const std::string& message, core::SourceRange range) const;

@@ -39,6 +39,11 @@ class AnswerPass {
 
   /// Throws SimulationFailure; the transaction then takes back what was written.
   void run(std::uint64_t completedSteps);
+  /// The run begins again: warnings and notes of the environment may come again.
+  void forgetWarnings() {
+    said_.clear();
+    hasWarnedOfSurplus_ = false;
+  }
   /// Bytes of memory that the pass keeps for the next one.
   [[nodiscard]] std::uint64_t bytes() const;
 
