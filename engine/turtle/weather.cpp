@@ -133,7 +133,7 @@ double scaleFor(double number, double scale) {
   return scale;
 }
 
-/// Why the last values of the sky's radiation and of that of sun and sky together cannot both be, or nothing. Two
+/// Why the last values of the radiation of the sky, of the sun and of both together cannot all be, or nothing. Two
 /// instruments may differ by 10 % and 20 W/m².
 template <typename Column>
 std::optional<std::string> problemOfRadiation(const std::array<Column, kWeatherQuantities.size()>& columns) {
@@ -142,12 +142,20 @@ std::optional<std::string> problemOfRadiation(const std::array<Column, kWeatherQ
     return column.empty() ? std::nullopt : std::optional(column.back());
   };
   const std::optional<double> global = lastOf("global");
+  const std::optional<double> direct = lastOf("direct");
   const std::optional<double> diffuse = lastOf("diffuse");
-  if (!global || !diffuse || *diffuse <= 1.1 * *global + 20.0) {
-    return std::nullopt;
+  const auto isClearlyAbove = [](double larger, double smaller) { return larger > 1.1 * smaller + 20.0; };
+  if (global && diffuse && isClearlyAbove(*diffuse, *global)) {
+    return "'diffuse' is " + textOf(*diffuse) + " and 'global' " + textOf(*global) +
+           "; the sky alone cannot give more than sun and sky together";
   }
-  return "'diffuse' is " + textOf(*diffuse) + " and 'global' " + textOf(*global) +
-         "; the sky alone cannot give more than sun and sky together";
+  // on a horizontal plane the sun gives at most 'direct'
+  if (global && direct && diffuse && isClearlyAbove(*global, *direct + *diffuse)) {
+    return "'global' is " + textOf(*global) + ", and 'direct' and 'diffuse' only " + textOf(*direct) + " and " +
+           textOf(*diffuse) +
+           "; on a horizontal plane sun and sky give at most their sum. Remove the column that was not measured";
+  }
+  return std::nullopt;
 }
 
 }  // namespace

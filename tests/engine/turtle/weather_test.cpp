@@ -157,7 +157,11 @@ TEST(Weather, WrongTextsSayLineAndRemedy) {
   EXPECT_EQ(error("time,wind,wind\n0,1,1\n"), "line 1: 'wind' has two columns");
   EXPECT_EQ(error("time,global,direct,diffuse\n0,400,500,150\n1,100,200,300\n"),
             "line 3: 'diffuse' is 300 and 'global' 100; the sky alone cannot give more than sun and sky together");
+  EXPECT_EQ(error("time,global,direct,diffuse\n0,400,300,150\n1,600,0,100\n"),
+            "line 3: 'global' is 600, and 'direct' and 'diffuse' only 0 and 100; on a horizontal plane sun and sky "
+            "give at most their sum. Remove the column that was not measured");
   EXPECT_EQ(error("time,global,diffuse\n0,0,15\n"), "none");  // at dawn
+  EXPECT_EQ(error("time,global,direct,diffuse\n0,35,0,15\n1,100,800,20\n"), "none");
   EXPECT_EQ(error("time,wind\n0,-1\n"), "line 2: 'wind' is -1 and must be at least 0");
   EXPECT_EQ(error("time,wind\nnoon,1\n"), "line 2: expected a date or a number of days, found 'noon'");
   EXPECT_EQ(error("day,wind\n0,1\n"), "line 1: expected a head that begins with time or quantity, found 'day'");
