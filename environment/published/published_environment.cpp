@@ -1,5 +1,7 @@
 #include "environment/published/published_environment.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "environment/base/published_text.h"
@@ -167,11 +169,23 @@ ProcessOrErrors makeFromFile(const std::string& file, core::FileProvider& files,
   return made;
 }
 
+/// As many of each severity as a list keeps.
+std::vector<Diagnostic> withinLimit(std::vector<Diagnostic> diagnostics) {
+  core::DiagnosticList list;
+  for (Diagnostic& diagnostic : diagnostics) {
+    list.add(std::move(diagnostic));
+  }
+  return list.entries();
+}
+
 }  // namespace
 
 ProcessOrErrors makeFromEnvironmentFile(const std::string& file, core::FileProvider& files,
                                         core::Compatibility compatibility, std::vector<Diagnostic>& warnings) {
-  return makeFromFile(file, files, compatibility, false, warnings);
+  std::vector<Diagnostic> all;
+  ProcessOrErrors made = makeFromFile(file, files, compatibility, false, all);
+  std::ranges::move(withinLimit(std::move(all)), std::back_inserter(warnings));
+  return std::move(made).map_error(withinLimit);
 }
 
 }  // namespace espalier::environment

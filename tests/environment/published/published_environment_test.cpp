@@ -55,6 +55,26 @@ TEST(PublishedEnvironment, EspaliersOwnModeExchangesExactly) {
   EXPECT_EQ(roundingAnswers(*loaded.process), (std::vector<double>{1, 1, 1, 1, 1, 1}));
 }
 
+TEST(PublishedEnvironment, AFileHasAtMostFiftyWarningsAndErrors) {
+  std::string unknown = "executable: honda81 model.spec\n";
+  std::string wrong;
+  for (int i = 0; i < 60; ++i) {
+    unknown += "bogus" + std::to_string(i) + ": 1\n";
+    wrong += "turtle position: %d\n";
+  }
+  const auto count = [](const std::string& text, const std::string& word) {
+    std::size_t found = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+      ++found;
+    }
+    return found;
+  };
+  const Loaded warned = load({{"m/model.e", unknown}, {"m/model.spec", ""}});
+  EXPECT_EQ(count(warned.warnings, "unknown keyword"), core::DiagnosticList::kLimit);
+  const Loaded failed = load({{"m/model.e", wrong}});
+  EXPECT_EQ(count(failed.errors, "'turtle position'"), core::DiagnosticList::kLimit) << failed.errors;
+}
+
 TEST(PublishedEnvironment, SpecificationIsReadBesideTheEnvironmentFile) {
   const Loaded loaded =
       load({{"model.e", "executable: /opt/bin/honda81.exe model.spec -e model.e"}, {"model.spec", "radius: 100"}},
