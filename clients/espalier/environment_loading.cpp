@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "clients/espalier/json_place.h"
 #include "clients/espalier/messages.h"
 #include "engine/files/utf8.h"
 #include "engine/language/checks/model_queries.h"
@@ -36,14 +37,26 @@ bool startsWith(const std::string& text, const char* prefix) {
   return text.rfind(prefix, 0) == 0;
 }
 
-// the process, or null after the errors are printed, each with the name of its file
-Process orPrintErrors(environment::ProcessOrErrors&& made, const std::string& file) {
+/// The object of a file that a message is about. No name: there is no file.
+struct FilePart {
+  std::string name;
+  std::string text;
+  std::string path;  // of the object in the text: empty, or [1]
+
+  // the message behind its place
+  [[nodiscard]] std::string placed(const std::string& message) const {
+    return name.empty() ? message : name + jsonPlaceOfMessage(text, path, message) + ": " + message;
+  }
+};
+
+// the process, or null after the errors are printed, each with its place in the file
+Process orPrintErrors(environment::ProcessOrErrors&& made, const FilePart& part) {
   if (made) {
     return std::move(*made);
   }
   for (core::Diagnostic& error : made.error()) {
-    if (error.location.file.empty() && !file.empty()) {
-      error.message = file + ": " + error.message;
+    if (error.location.file.empty()) {
+      error.message = part.placed(error.message);
     }
   }
   printDiagnostics(made.error(), false);
@@ -161,16 +174,15 @@ std::string withThreads(const std::string& name, const std::string& configuratio
 }
 
 // a built-in process; with a time limit it is supervised and made again after a time-out
-Process makeBuiltIn(const std::string& name, const std::string& entryJson, const std::string& file,
-                    const Making& making) {
+Process makeBuiltIn(const std::string& name, const std::string& entryJson, const FilePart& part, const Making& making) {
   const std::string configurationJson = withThreads(name, entryJson, making.remote.threads);
-  Process made = orPrintErrors(environment::makeProcess(name, configurationJson), file);
+  Process made = orPrintErrors(environment::makeProcess(name, configurationJson), part);
   if (!made) {
     return made;
   }
   std::vector<core::Diagnostic> warnings = environment::idleKeys(name, configurationJson);
   for (core::Diagnostic& warning : warnings) {
-    warning.message = file.empty() ? warning.message : file + ": " + warning.message;
+    warning.message = part.placed(warning.message);
   }
   if (!printDiagnostics(std::move(warnings), making.isQuiet, making.remote.isStrict)) {
     return nullptr;
@@ -187,35 +199,36 @@ Process makeBuiltIn(const std::string& name, const std::string& entryJson, const
 }
 
 // one entry of a configuration: `tcp` with an `address` and `stdio` with a `command` are other processes
-Process makeEntry(const environment::EnvironmentEntry& entry, const std::string& file, const Making& making) {
+Process makeEntry(const environment::EnvironmentEntry& entry, const FilePart& part, const Making& making) {
+  const std::string what = "the environment '" + entry.name + "'";
   if (entry.type == "offered" || entry.type == "gallery" || entry.type == "field") {
-    printError(file + ": the environment '" + entry.name + "' " +
-               (entry.type == "offered" ? "is offered to a server" : "is an environment file on a server") +
-               ": give another one, such as tcp://HOST:PORT or a file");
+    printError(part.placed(what + " " +
+                           (entry.type == "offered" ? "is offered to a server" : "is an environment file on a server") +
+                           ": give another one, such as tcp://HOST:PORT or a file"));
     return nullptr;
   }
   if (entry.type == "plugin") {
     const auto library = protocol::memberOf(entry.configuration, "library");
     if (!library) {
-      printError(file + ": the environment '" + entry.name + "' needs a member 'library': the file of the plug-in");
+      printError(part.placed(what + " needs a member 'library': the file of the plug-in"));
       return nullptr;
     }
-    return loadPlugin(*library, entry.configuration, file + ": the environment '" + entry.name + "': ", making);
+    return loadPlugin(*library, entry.configuration, part.name + ": " + what + ": ", making);
   }
   if (entry.type != "tcp" && entry.type != "stdio") {
-    return makeBuiltIn(entry.type, entry.configuration, file, making);
+    return makeBuiltIn(entry.type, entry.configuration, part, making);
   }
   const bool isTcp = entry.type == "tcp";
   const std::string key = isTcp ? "address" : "command";
   const std::string target = protocol::memberOf(entry.configuration, key).value_or("");
   if (target.empty()) {
-    printError(file + ": the environment '" + entry.name + "' needs a member '" + key +
-               "': " + (isTcp ? "HOST:PORT" : "the command that starts it"));
+    printError(
+        part.placed(what + " needs a member '" + key + "': " + (isTcp ? "HOST:PORT" : "the command that starts it")));
     return nullptr;
   }
   const bool isWhole = isTcp && (startsWith(target, "tcp://") || startsWith(target, "unix:"));
   const std::string scheme = isWhole ? "" : isTcp ? "tcp://" : "stdio:";
-  return connectRemote(scheme + target, entry.configuration, file + ": the environment '" + entry.name + "': ", making);
+  return connectRemote(scheme + target, entry.configuration, part.name + ": " + what + ": ", making);
 }
 
 // a single process, or a set of processes that queries address by name
@@ -226,13 +239,23 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
     printError("there is no environment file '" + file + "': check the name and the working folder");
     return nullptr;
   }
-  auto parsed = environment::parseEnvironmentEntries(files::asUtf8(*json));
+  const std::string text = files::asUtf8(*json);
+  auto parsed = environment::parseEnvironmentEntries(text);
   if (!parsed) {
     for (core::Diagnostic& error : parsed.error()) {
-      // a place in the text is a place in this file
-      error.location.file = error.location.file.empty() ? std::string{} : file;
+      if (!error.location.file.empty()) {
+        // a place in the text is a place in this file
+        error.location.file = file;
+        continue;
+      }
+      // "environment[1] has no 'type'"
+      const bool isOfList = error.message.starts_with("environment[");
+      const std::size_t open = error.message.find('[');
+      const std::string path =
+          isOfList ? error.message.substr(open, error.message.find(']') + 1 - open) : std::string();
+      error.message = FilePart{file, text, path}.placed(error.message);
     }
-    return orPrintErrors(tl::unexpected(std::move(parsed.error())), file);
+    return orPrintErrors(tl::unexpected(std::move(parsed.error())), {});
   }
   std::vector<environment::EnvironmentEntry>& entries = *parsed;
   for (environment::EnvironmentEntry& entry : entries) {
@@ -248,8 +271,10 @@ Process loadConfiguration(const std::string& file, core::FileProvider& files, st
     return nullptr;
   }
   std::vector<std::pair<std::string, Process>> processes;
+  const bool isList = jsonPlace(text, "[0]") != jsonPlace(text, "");
   for (const environment::EnvironmentEntry& entry : entries) {
-    Process process = makeEntry(entry, file, making);
+    const std::string path = isList ? "[" + std::to_string(&entry - entries.data()) + "]" : std::string();
+    Process process = makeEntry(entry, {file, text, path}, making);
     if (!process) {
       return nullptr;
     }
@@ -291,7 +316,7 @@ Process startFolderProgram(const std::string& file, const FolderProgram& program
   if (options.timeoutSeconds > 0.0) {
     legacy.stepTimeout = std::chrono::milliseconds(static_cast<std::int64_t>(options.timeoutSeconds * 1e3));
   }
-  Process made = orPrintErrors(server::makeLegacyProcess(file, files, legacy, warnings), "");
+  Process made = orPrintErrors(server::makeLegacyProcess(file, files, legacy, warnings), {});
   if (!printDiagnostics(std::move(warnings), isQuiet, options.isStrict)) {
     return nullptr;
   }
@@ -329,7 +354,7 @@ Process loadFieldFile(const std::string& file, core::Compatibility compatibility
   if (!printDiagnostics(std::move(warnings), isQuiet, options.isStrict)) {
     return nullptr;
   }
-  return orPrintErrors(std::move(made), "");
+  return orPrintErrors(std::move(made), {});
 }
 
 Process makeEnvironment(const std::string& name, core::Compatibility compatibility, bool isQuiet,
@@ -369,7 +394,7 @@ Process makeEnvironment(const std::string& name, core::Compatibility compatibili
     printError("'" + name + "' is no address of an environment: write tcp://HOST:PORT, unix:PATH or stdio:COMMAND");
     return nullptr;
   }
-  return makeBuiltIn(name, "", "", making);
+  return makeBuiltIn(name, "", {}, making);
 }
 
 }  // namespace

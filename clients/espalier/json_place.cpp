@@ -132,4 +132,21 @@ std::string jsonPlace(std::string_view text, std::string_view path) {
          std::to_string(std::ranges::count_if(line, isCharacter) + 1);
 }
 
+std::string jsonPlaceOfMessage(std::string_view text, const std::string& path, std::string_view message) {
+  std::string object = jsonPlace(text, path);
+  std::size_t open = message.find('\'');
+  while (open != std::string_view::npos) {
+    const std::size_t close = message.find('\'', open + 1);
+    if (close == std::string_view::npos) {
+      break;
+    }
+    const std::string member(message.substr(open + 1, close - open - 1));
+    if (std::string place = jsonPlace(text, path.empty() ? member : path + "." + member); place != object) {
+      return place;
+    }
+    open = message.find('\'', close + 1);
+  }
+  return object;
+}
+
 }  // namespace espalier::command

@@ -358,6 +358,23 @@ TEST_F(Cli, ConfigurationMistakesNameTheFile) {
   EXPECT_TRUE(contains(result.errors, "radios")) << result.errors;
 }
 
+TEST_F(Cli, MistakesOfAnEnvironmentFileHaveTheirPlaces) {
+  folder_.write("up.l", kHeight);
+  const auto error = [&](const std::string& json) {
+    folder_.write("e.json", json);
+    const std::string all = run("derive up.l --environment e.json").errors;
+    return all.substr(0, all.find('\n'));
+  };
+  EXPECT_EQ(error("{\n  \"type\": \"honda\",\n    \"radios\": 1\n}"),
+            "error: e.json:3:5: environment process 'honda': unknown key 'radios'");
+  EXPECT_EQ(error("[{\"type\": \"height\"},\n {\"type\": \"honda\", \"radius\": \"x\"}]"),
+            "error: e.json:2:20: environment process 'honda': 'radius' must be a number, found the text 'x'");
+  // of the object, when a member is missing
+  EXPECT_EQ(error("[{\"type\": \"height\"},\n {\"radius\": 1}]"), "error: e.json:2:2: environment[1] has no 'type'");
+  EXPECT_EQ(error("\n {\"type\": \"tcp\"}"),
+            "error: e.json:2:2: the environment 'tcp' needs a member 'address': HOST:PORT");
+}
+
 TEST_F(Cli, MistakesOfAWorldAndAForestHaveTheirPlaces) {
   folder_.write("up.l", kHeight);
   const auto error = [&](const std::string& file, const std::string& json, const std::string& arguments) {
