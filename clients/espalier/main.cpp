@@ -240,8 +240,11 @@ int main(int argumentCount, char** arguments) {
     program.parse(argumentCount, arguments);
   } catch (const CLI::Success& helpOrVersion) {
     return program.exit(helpOrVersion);
-  } catch (const CLI::ExtrasError& error) {
-    printUsageError(error, program);
+  } catch (const CLI::ExtrasError&) {
+    // its own text has them in the reverse order
+    std::vector<std::string> extras = program.remaining(true);
+    std::ranges::reverse(extras);
+    printUsageError(CLI::ExtrasError(extras), program);
     suggestOption(program, argumentCount, arguments);
     suggestCompanionOption(argumentCount, arguments);
     return kUsage;

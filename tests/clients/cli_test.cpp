@@ -504,6 +504,7 @@ TEST_F(Cli, AMistypedOptionGetsTheNearestName) {
   const ProgramRun wrong = run("derive m.l --step 3");
   EXPECT_EQ(wrong.status, 2);
   EXPECT_TRUE(contains(wrong.errors, "Did you mean --steps?")) << wrong.errors;
+  EXPECT_TRUE(contains(wrong.errors, "were not expected: --step 3; ")) << wrong.errors;
 }
 
 TEST_F(Cli, SwitchesOfTheReferenceAreNamed) {
