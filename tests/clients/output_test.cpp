@@ -44,6 +44,18 @@ class Output : public testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(Output, APictureWithoutAnythingInItIsSaidToBeEmpty) {
+  folder_.write("bud.l", "Lsystem: 1\nderivation length: 2\nAxiom: A\nA --> AB\nendlsystem\n");
+  const auto warns = [this](const std::string& arguments) {
+    return contains(run("run " + arguments).errors,
+                    "warning: nothing is drawn: no module of the string draws. F(1) draws");
+  };
+  EXPECT_TRUE(warns("bud.l -o bud.svg -o bud.obj"));
+  EXPECT_FALSE(warns("bud.l -o bud.string"));
+  EXPECT_FALSE(warns("bud.l -o bud.svg --quiet"));
+  EXPECT_FALSE(warns("tree.l -o tree.svg"));
+}
+
 TEST_F(Output, ManyFormatsAreWrittenAtOnceEachByItsSuffix) {
   const ProgramRun result =
       run("run tree.l -o a.png -o a.svg -o a.eps -o a.obj -o a.mtg -o a.csv -o a.string -o a.snapshot --size 80x60");
