@@ -158,6 +158,7 @@ class Preprocessor {
       if (!line.startsInComment && line.text.starts_with('#')) {
         directive(file, depth, line, outerConditionals);
       } else if (isActive()) {
+        warnAboutRolls(file, line, reader.commentBegin());
         joinCall(reader, line);
         emitLine(file, line);
         if (reader.isInComment()) {
@@ -251,6 +252,24 @@ class Preprocessor {
   }
 
   // ---- messages
+
+  /// Warns when the comment at `begin` is rather `//` among the modules of the line, as in `S/////F` or `[A]//[A]`.
+  void warnAboutRolls(std::uint32_t file, const LogicalLine& line, std::size_t begin) {
+    const std::string_view text = files_[file].text;
+    if (line.offsets.empty() || begin <= line.offsets.front() || begin >= line.end || text[begin + 1] != '/' ||
+        isBlank(text[begin - 1]) ||
+        (line.text.find("-->") == std::string::npos && line.text.find("xiom:") == std::string::npos)) {
+      return;
+    }
+    const std::string_view comment = text.substr(begin + 2, line.end - begin - 2);
+    const std::string_view rest = comment.substr(std::min(comment.find_first_not_of('/'), comment.size()));
+    const bool isModules = comment.starts_with('/') && !rest.empty() && rest.find_first_of(" \t") == std::string::npos;
+    if (isModules || comment.find_first_of("[]") != std::string_view::npos) {
+      add(core::Severity::Warning, file, static_cast<std::uint32_t>(begin), line.end - begin,
+          "'//' begins a comment, so the rest of this line is not read",
+          "put a blank between two roll symbols, as in / / /, or write one roll with its angle, as in /(90)");
+    }
+  }
 
   void add(core::Severity severity, std::uint32_t file, std::uint32_t offset, std::size_t length, std::string message,
            std::string hint) {

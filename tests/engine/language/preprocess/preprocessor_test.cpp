@@ -283,6 +283,17 @@ TEST(Preprocessor, IncludesAreLookedForBesideTheFileThatNamesThem) {
   EXPECT_EQ(result.sourceMap.locate({2, 3}).file, "d/s/a.h");
 }
 
+TEST(Preprocessor, RollsWithoutBlanksAreAComment) {
+  const std::string rest =
+      ": warning: '//' begins a comment, so the rest of this line is not read | put a blank between two roll symbols, "
+      "as "
+      "in / / /, or write one roll with its angle, as in /(90)";
+  EXPECT_EQ(problemsOf("Axiom: A//[A]\nA --> [&FL!A]/////'[&FL!A]\nF --> S/////F\n"),
+            (Messages{"1:9" + rest, "2:14" + rest, "3:8" + rest}));
+  EXPECT_EQ(problemsOf("A --> [B]//two of them\nA --> B //[a]\nA --> B////// a line //////\nx: y//[a]\nA --> / /[B]\n"),
+            Messages{});
+}
+
 TEST(Preprocessor, AMissingIncludeIsAnError) {
   EXPECT_EQ(problemsOf("#include \"no.h\"\n#include no\n#include\n"),
             (Messages{"1:10: error: cannot read the included file 'no.h' | an included file is looked for beside the "
