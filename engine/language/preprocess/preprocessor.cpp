@@ -253,6 +253,11 @@ class Preprocessor {
 
   // ---- messages
 
+  static bool isHeaderOfC(std::string_view name) {
+    const std::string_view file = name.substr(name.rfind('/') + 1);
+    return file == "math.h" || file == "stdio.h" || file == "stdlib.h";
+  }
+
   /// Warns when the comment at `begin` is rather `//` among the modules of the line, as in `S/////F` or `[A]//[A]`.
   void warnAboutRolls(std::uint32_t file, const LogicalLine& line, std::size_t begin) {
     const std::string_view text = files_[file].text;
@@ -542,7 +547,8 @@ class Preprocessor {
     const std::optional<std::uint32_t> included = open(name);
     if (!included.has_value()) {
       error(file, line.offsetOf(first), close + 1, "cannot read the included file '" + name + "'",
-            "an included file is looked for beside the file that includes it");
+            isHeaderOfC(name) ? "the functions of the language need no file: remove this line"
+                              : "an included file is looked for beside the file that includes it");
       return;
     }
     processFile(*included, depth + 1);
