@@ -227,6 +227,11 @@ void Analyser::reportUnknownName(const ExpressionNode& node, const Scope& scope)
   if (macros_ != nullptr) {
     candidates.insert(candidates.end(), macros_->begin(), macros_->end());
   }
+  if (std::ranges::find(candidates, std::string_view(node.text)) != candidates.end()) {
+    messages_.warning(node.range, "unknown name '" + node.text + "' in " + describePlace() + ": its value is 0",
+                      "a macro counts from the line of its #define on: move '#define " + node.text + "' up");
+    return;
+  }
   const std::string_view near = core::nearestName(node.text, candidates);
   std::string hint = near.empty() ? "" : "did you mean '" + std::string(near) + "'? ";
   hint += names.empty() ? "no names are visible here" : "names visible here: " + joined(names);
