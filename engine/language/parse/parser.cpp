@@ -115,10 +115,15 @@ void Parser::parseFile() {
     } else {
       const std::string_view line = lineAt(token.range.begin);
       const bool isBelow = lexer_.text().find("system:", token.range.end) != std::string_view::npos;
+      const std::string foreign = foreignLine(line).advice;
       expected("'Lsystem:'", token,
                line.starts_with("define ") || line.starts_with("include ")
                    ? "macros and includes start with '#': #" + std::string(line.substr(0, line.find(' ')))
-               : line.starts_with("Lsystem ") || line.starts_with("lsystem ") ? "write a ':' behind 'Lsystem'"
+               : line.starts_with("Lsystem ") || line.starts_with("lsystem ")
+                   ? line.substr(line.find_first_not_of(" \t", 7)).starts_with(':')
+                         ? "no blank stands before the ':': write '" + std::string(line.substr(0, 7)) + ":'"
+                         : "write a ':' behind 'Lsystem'"
+               : isBelow && !foreign.empty() ? foreign
                : token.kind == TokenKind::Keyword && isBelow
                    ? "this line belongs below the line 'Lsystem: 1'"
                    : "every L-system starts with 'Lsystem:' and a label, and ends with 'endlsystem'. In the "
