@@ -123,7 +123,15 @@ std::string Parser::adviceFor(const Token& token) const {
     case TokenKind::Semicolon:
       return reading_.ends_with(":'") && reading_ != "'define:'" ? "no ';' stands at the end of the line"
                                                                  : std::string();
+    case TokenKind::LeftContext:
+    case TokenKind::RightContext:
+      return reading_ == "the successor" ? "a condition stands before the arrow, as in A(x) : x > 1 --> B"
+                                         : std::string();
     case TokenKind::Assign:
+      if (reading_ == "the successor" || reading_ == "the axiom") {
+        return before == 'p' ? "a probability stands at the end of a production: A --> B : 0.5"
+                             : "a module has only values, as A(1); its productions name them, as A(x) --> B(x)";
+      }
       if (before == ':') {
         return "the arrow of a production is '-->'";
       }

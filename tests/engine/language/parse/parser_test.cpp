@@ -281,7 +281,9 @@ TEST(Parser, MistakesInBodies) {
           "'*' alone is "
           "the empty successor",
           "9:12: error: expected the end of the line while reading the successor of A(n), found 'B'",
-          "10:12: error: expected a module, ':' or the end of the line while reading the successor of A(n), found '<'",
+          "10:12: error: expected a module, ':' or the end of the line while reading the successor of A(n), found '<' "
+          "| "
+          "a condition stands before the arrow, as in A(x) : x > 1 --> B",
           "11:14: error: expected an expression while reading the probability of A(n), found the end of the line",
           "12:11: error: expected a module, ':' or the end of the line while reading the successor of A(n), found the "
           "keyword "
