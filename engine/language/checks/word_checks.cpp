@@ -15,7 +15,8 @@ struct Letter {
   std::vector<std::string> names;  // formal parameters
 };
 
-/// A run of letters that looks like one name: a capital and at least two small letters without a gap.
+/// A run of letters that looks like one name: a capital and at least two small letters without a gap, or at least four
+/// small letters.
 struct Word {
   std::string text;
   core::SourceRange range;
@@ -33,7 +34,9 @@ class WordFinder {
       addModules(system.axiom);
       for (const ProductionListSyntax* list : {&system.productions, &system.decomposition, &system.homomorphism}) {
         for (const ProductionSyntax& production : list->productions) {
-          addFormals(production.predecessor);
+          if (!production.isLabelled) {
+            addFormals(production.predecessor);
+          }
           addModules(production.successor);
         }
       }
@@ -48,7 +51,9 @@ class WordFinder {
       const bool hasModules =
           std::any_of(word.text.begin(), word.text.end(), [&](char c) { return single_.contains(c); });
       const bool isMoves = word.text.find_first_not_of("fg", 1) == std::string::npos;
-      return !hasModules && !isMoves && (word.hasParameters || (word.isPredecessor && word.count > 1));
+      const bool isSmall = word.text.front() >= 'a';
+      return !hasModules && !isMoves &&
+             (isSmall ? word.isPredecessor : word.hasParameters || (word.isPredecessor && word.count > 1));
     });
     return result;
   }
@@ -84,14 +89,16 @@ class WordFinder {
     while (i < letters.size()) {
       const std::size_t begin = i;
       const bool isCapital = letters[i].character >= 'A' && letters[i].character <= 'Z' && !letters[i].hasParameters;
+      const bool isSmall = letters[i].character >= 'a' && letters[i].character <= 'z' && !letters[i].hasParameters;
       const bool isCommand = begin > 0 && letters[begin - 1].character == '@';
       ++i;
-      while (isCapital && i < letters.size() && letters[i].character >= 'a' && letters[i].character <= 'z' &&
-             letters[i].range.begin == letters[i - 1].range.end && !letters[i - 1].hasParameters) {
+      while ((isCapital || isSmall) && i < letters.size() && letters[i].character >= 'a' &&
+             letters[i].character <= 'z' && letters[i].range.begin == letters[i - 1].range.end &&
+             !letters[i - 1].hasParameters) {
         ++i;
       }
       const bool isQuery = begin > 0 && letters[begin - 1].character == '?' && !letters[begin - 1].hasParameters;
-      if (i - begin >= (isQuery ? 2U : 3U) && !isCommand) {
+      if (i - begin >= (isSmall ? 4U : isQuery ? 2U : 3U) && !isCommand) {
         add(letters, begin, i, isPredecessor && i - begin == letters.size(), isQuery);
       }
     }
