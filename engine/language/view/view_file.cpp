@@ -66,6 +66,9 @@ void warnUnknown(const ViewCommandContext& context, const ViewLexer::Label& labe
   if (!label.text.ends_with(':')) {
     const std::string_view text = context.lexer.cursor().textBetween(0, label.range.end);
     std::string hint = hexadecimalHint(text, label.range.begin);
+    if (const std::size_t equals = name.find('='); hint.empty() && equals != std::string_view::npos && equals > 0) {
+      hint = "write ':' in place of '='";
+    }
     report.warn(label.range, "expected a view command while reading a view file, found '" + shown + "'",
                 hint.empty() ? decimalCommaHint(text, label.range.begin) : std::move(hint));
     return;

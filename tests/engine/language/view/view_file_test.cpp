@@ -119,6 +119,7 @@ TEST(ViewFile, UnknownLabelsWarnWithTheNearestOneAndSkipTheLine) {
     EXPECT_EQ(read(label + std::string(" 10\n")).diagnostics.entries()[0].hint,
               "write 'angle increment:', with single blanks and no blank before the colon");
   }
+  EXPECT_EQ(read("angle increment = 30\n").diagnostics.entries()[0].hint, "write ':' in place of '='");
   EXPECT_EQ(read("angle increment: 22,5\n").diagnostics.entries()[0].hint, "write 22.5 with a point");
   EXPECT_EQ(read("color increment: 0x1F\n").diagnostics.entries()[0].hint,
             "numbers are decimal: write 31 in place of 0x1F");
