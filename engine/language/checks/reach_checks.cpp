@@ -154,17 +154,39 @@ class ReachChecks {
               continue;
             }
             const bool isPlain = !isPlaceholder(production);
+            std::vector<const FormalModuleSyntax*> modules;
             forFormals(production, [&](const FormalModuleSyntax& module) {
               if ((isPlain || !isMadeBySome) && madeByAny_.contains(module.type) == isMadeBySome &&
                   !reach.reached().contains(module.type)) {
-                reportModule(module);
-                reach.add({module.type});
+                modules.push_back(&module);
               }
             });
+            for (std::size_t i = 0; i < modules.size(); ++i) {
+              if (reach.reached().contains(modules[i]->type)) {
+                continue;
+              }
+              // `?E(x)`: the message is about both
+              const bool isQuery = i + 1 < modules.size() && symbolOf(modules[i]->type).character() == '?' &&
+                                   modules[i]->range.end == modules[i + 1]->range.begin;
+              if (isQuery) {
+                reportQuery({modules[i]->range.begin, modules[i + 1]->range.end}, symbolOf(modules[i + 1]->type).name);
+                reach.add({modules[i]->type, modules[i + 1]->type});
+              } else {
+                reportModule(*modules[i]);
+                reach.add({modules[i]->type});
+              }
+            }
           }
         }
       }
     }
+  }
+
+  void reportQuery(core::SourceRange range, const std::string& name) {
+    const std::string query = foldBlanks(text_.substr(range.begin, range.end - range.begin));
+    messages_.warning(
+        range, "'" + query + "' never matches: the axiom makes no ?" + name,
+        "write '?" + name + "(0)' into the axiom behind the module that asks, as in A(1)?" + name + "(0)");
   }
 
   void reportModule(const FormalModuleSyntax& module) {

@@ -63,6 +63,12 @@ TEST(ReachChecks, ModulesOfAllAxiomsSubSystemsDecompositionsAndContextsAreReache
   EXPECT_EQ(messagesOf("A --> %(1)F A\n%(p,i) --> G"), Messages{});
 }
 
+TEST(ReachChecks, AQueryThatTheAxiomDoesNotMake) {
+  EXPECT_EQ(messagesOf("A > ?E(x) : x > 0 --> FA?E(0)\nA > ?E(x) : x == 0 --> F"),
+            Messages{"3:5: warning: '?E(x)' never matches: the axiom makes no ?E | write '?E(0)' into the axiom behind "
+                     "the module that asks, as in A(1)?E(0)"});
+}
+
 TEST(ReachChecks, AProductionThatChangesNothingIsAPlaceholder) {
   EXPECT_EQ(messagesOf("e --> e"), Messages{});
   EXPECT_EQ(messagesOf("e --> e e"),
