@@ -49,6 +49,7 @@ class Checks {
         for (const ProductionSyntax& production : list.productions) {
           checkBrackets(production.successor, "the successor of " + textOf(production.predecessorRange));
           checkContinuation(production);
+          checkProbability(production);
         }
       });
     }
@@ -156,9 +157,22 @@ class Checks {
   [[nodiscard]] bool isAlwaysTrue(const ProductionSyntax& production) const {
     return production.condition == kNoExpression || valueOf(production.condition).value_or(0.0) != 0.0;
   }
+  /// Whether the condition is a number as people write for a probability: 0.5, or 50 for percent.
   [[nodiscard]] bool hasProbabilityAsCondition(const ProductionSyntax& production) const {
-    const double value = production.condition == kNoExpression ? 1.0 : valueOf(production.condition).value_or(1.0);
-    return value > 0.0 && value < 1.0;
+    if (production.condition == kNoExpression || isTranslation_) {
+      return false;
+    }
+    const double value = valueOf(production.condition).value_or(1.0);
+    const bool isNumber = model_.expressions[production.condition].kind == ExpressionKind::Number;
+    return value > 0.0 && (value < 1.0 || (isNumber && value > 1.0));
+  }
+  void checkProbability(const ProductionSyntax& production) {
+    if (hasProbabilityAsCondition(production)) {
+      const core::SourceRange range = model_.expressions[production.condition].range;
+      messages_.warning(range, "the condition '" + textOf(range) + "' always holds",
+                        "a number behind the predecessor is a condition; a probability stands at the end, as in "
+                        "A --> AB : 0.5");
+    }
   }
   /// Whether `earlier` matches wherever `later` would.
   [[nodiscard]] bool hides(const ProductionSyntax& earlier, const ProductionSyntax& later) const {
@@ -184,17 +198,14 @@ class Checks {
       std::vector<const ProductionSyntax*>& earlier = unconditional[production.predecessor.front().type];
       const auto hiding = std::find_if(earlier.begin(), earlier.end(),
                                        [&](const ProductionSyntax* other) { return hides(*other, production); });
-      if (hiding != earlier.end()) {
+      // a probability in the place of the condition has a message of its own
+      if (hiding != earlier.end() && !hasProbabilityAsCondition(**hiding)) {
         const core::SourceRange range = (*hiding)->range;
         const std::string text = textOf({range.begin, std::min(range.end, range.begin + 60)});
         messages_.warning(production.predecessorRange,
                           "this production is never applied: an earlier production matches wherever this one would",
-                          hasProbabilityAsCondition(**hiding)
-                              ? "the number behind ':' in '" + text +
-                                    "' is a condition, which always holds; a probability stands at the end, as in "
-                                    "A --> AB : 0.5"
-                              : "the earlier production is: " + text + "; move it behind this one");
-      } else if (isAlwaysTrue(production)) {
+                          "the earlier production is: " + text + "; move it behind this one");
+      } else if (hiding == earlier.end() && isAlwaysTrue(production)) {
         earlier.push_back(&production);
       }
     }
