@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "engine/core/diagnostic.h"
 #include "engine/language/preprocess/macro_table.h"
 
 namespace espalier::language {
@@ -24,6 +26,23 @@ namespace espalier::language {
   }
   return "write " + std::string(text.substr(begin, comma - begin)) + "." +
          std::string(text.substr(comma + 1, end - comma - 1)) + " with a point";
+}
+
+/// The same for the only such comma between the parameters of the module that `range` holds. Empty for A(1,2,3), which
+/// has two.
+[[nodiscard]] inline std::string decimalCommaHint(std::string_view text, core::SourceRange range) {
+  std::string only;
+  int depth = 0;
+  for (std::size_t i = range.begin; i < std::min<std::size_t>(range.end, text.size()); ++i) {
+    depth += text[i] == '(' ? 1 : text[i] == ')' ? -1 : 0;
+    if (std::string hint = text[i] == ',' && depth == 1 ? decimalCommaHint(text, i) : std::string(); !hint.empty()) {
+      if (!only.empty()) {
+        return {};
+      }
+      only = std::move(hint);
+    }
+  }
+  return only;
 }
 
 }  // namespace espalier::language

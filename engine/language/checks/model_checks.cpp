@@ -12,6 +12,7 @@
 
 #include "engine/core/work_meter.h"
 #include "engine/language/checks/formal_modules.h"
+#include "engine/language/checks/habit_checks.h"
 #include "engine/language/checks/module_checks.h"
 #include "engine/language/checks/reach_checks.h"
 #include "engine/language/checks/word_checks.h"
@@ -54,6 +55,9 @@ class Checks {
       });
     }
     checkPolygons();
+    if (!isTranslation_) {
+      checkHabits(text_, model_, messages_);
+    }
     // about the letters of such words further messages would only repeat the first
     if (isTranslation_ || !checkWords(text_, model_, messages_)) {
       if (!beginsElsewhere_) {

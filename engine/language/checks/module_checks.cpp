@@ -6,9 +6,11 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/language/checks/formal_modules.h"
+#include "engine/language/decimal_comma.h"
 
 namespace espalier::language {
 namespace {
@@ -146,12 +148,14 @@ class ModuleChecks {
         counts += (counts.empty() ? "" : " or ") + (arity == 0 ? std::string("no") : std::to_string(arity));
       }
       const bool isOne = rewritten->second == std::set<std::uint16_t>{1};
-      messages_.warning(made.range,
-                        "no production rewrites '" +
-                            foldBlanks(text_.substr(made.range.begin, made.range.end - made.range.begin)) +
-                            "': the productions of " + std::string(1, character) + " have " + counts +
-                            (isOne ? " parameter" : " parameters"),
-                        "a production matches only modules with exactly as many parameters");
+      std::string comma =
+          arityOf(made.type) > *rewritten->second.rbegin() ? decimalCommaHint(text_, made.range) : std::string();
+      messages_.warning(
+          made.range,
+          "no production rewrites '" + foldBlanks(text_.substr(made.range.begin, made.range.end - made.range.begin)) +
+              "': the productions of " + std::string(1, character) + " have " + counts +
+              (isOne ? " parameter" : " parameters"),
+          comma.empty() ? "a production matches only modules with exactly as many parameters" : std::move(comma));
     }
   }
 
