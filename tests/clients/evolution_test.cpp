@@ -74,7 +74,7 @@ TEST(PlantMeasures, LightIsTheGroundInTheShade) {
   // more
   turtle::Scene scene;
   scene.lineStyle = files::LineStyle::Cylinder;
-  scene.segments = kStem;
+  scene.segments.append(kStem);
   for (const auto& [x, y] : {std::pair{0.0, 1.0}, std::pair{0.5, 2.0}}) {
     turtle::Polygon square;
     square.vertices = {{x, y, 0}, {x + 1, y, 0}, {x + 1, y, 1}, {x, y, 1}};

@@ -75,7 +75,9 @@ InterpretationTables::InterpretationTables(const language::Program& program) {
       return program.symbols[type.symbol].character() == character;
     });
   };
-  mayDrawApart = isRepeatable(program) && !(has('@') && has('P') && has('S'));
+  const auto isExpanded = [&](core::ModuleTypeId type) { return type < typeCount && mayExpand[type] != 0; };
+  const bool hasOtherBrackets = isExpanded(program.openBranch) || isExpanded(program.closeBranch);
+  mayDrawApart = isRepeatable(program) && !hasOtherBrackets && !(has('@') && has('P') && has('S'));
 }
 
 }  // namespace espalier::turtle

@@ -113,8 +113,7 @@ bool PartedInterpretation::run(const Interpretation::Subject& subject, const Int
   }
   starts_.assign(branches_.size(), {});
   parts_.resize(std::max(parts_.size(), branches_.size()));
-  std::for_each(parts_.begin(), parts_.end(), [](Part& part) { part.clear(); });
-  around_.clear();
+  clear();
   // the threads write parameters at the same time, in memory that the string shares with nobody
   if (output.fillsQueries) {
     static_cast<void>(subject.plantState.string.mutableParameters());
@@ -137,17 +136,22 @@ bool PartedInterpretation::run(const Interpretation::Subject& subject, const Int
     }
     return queries > subject.derivation.options().limits.maximumQueries;
   }();
-  const bool isDrawn = !assembly || assembly->finish();
-  if (hasFailed() || isTooMuch || !isDrawn || !appendChanges(output)) {
+  if (hasFailed() || isTooMuch || (assembly && !assembly->finish()) || !appendChanges(output)) {
     if (assembly) {
       assembly->takeBack();
       mayDraw_ = !isOutOfPlace();
     }
     takeBack(subject.plantState);
+    clear();
     return false;
   }
   join(subject, output);
   return true;
+}
+
+void PartedInterpretation::clear() {
+  std::ranges::for_each(parts_, &Part::clear);
+  around_.clear();
 }
 
 /// Returns false when they are not worth threads.

@@ -39,6 +39,7 @@ class PartedInterpretation {
   /// Derivations that expand modules, one for each thread; empty without homomorphism.
   using Expanders = std::vector<derivation::Derivation>;
 
+  void clear();
   [[nodiscard]] bool findBranches(const Interpretation::Subject& subject, unsigned threads);
   [[nodiscard]] Expanders makeExpanders(const Interpretation::Subject& subject, unsigned threads);
   void walkAround(const Interpretation::Subject& subject, const InterpretationOutput& output);

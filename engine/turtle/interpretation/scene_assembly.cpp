@@ -1,5 +1,6 @@
 #include "engine/turtle/interpretation/scene_assembly.h"
 
+#include <new>
 #include <utility>
 
 namespace espalier::turtle {
@@ -27,9 +28,7 @@ void moveOrgans(Scene& from, const SceneMark& begin, const SceneMark& end, const
 }  // namespace
 
 SceneAssembly::SceneAssembly(Scene& whole, Scene& around, std::span<const Interpretation::BranchStart> starts)
-    : whole_(&whole), around_(&around), starts_(starts), first_(whole), drawn_(starts.size()) {
-  lineOf_.reserve(around.segments.size());
-}
+    : whole_(&whole), around_(&around), starts_(starts), first_(whole), drawn_(starts.size()) {}
 
 Scene SceneAssembly::take() {
   const std::lock_guard lock(mutex_);
@@ -46,7 +45,7 @@ void SceneAssembly::add(std::size_t branch, Scene&& drawn) {
   if (isBroken_) {
     return;
   }
-  // until all is well again
+  // stays true when the code below throws
   isBroken_ = true;
   drawn_[branch] = std::move(drawn);
   for (; next_ < starts_.size(); ++next_) {
@@ -71,10 +70,13 @@ void SceneAssembly::add(std::size_t branch, Scene&& drawn) {
 
 bool SceneAssembly::finish() {
   if (isBroken_) {
-    takeBack();
     return false;
   }
-  placeAround(SceneMark(*around_));
+  try {
+    placeAround(SceneMark(*around_));
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
   return true;
 }
 

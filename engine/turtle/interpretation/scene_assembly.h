@@ -25,8 +25,8 @@ class SceneAssembly {
   [[nodiscard]] Scene take();
   /// What Interpretation::runBranch drew.
   void add(std::size_t branch, Scene&& drawn);
-  /// All branches that were reached are there: adds the rest. Returns false, and takes the plant back, when there are
-  /// more lines than can be numbered or something was thrown before.
+  /// All branches that were reached are there: adds the rest. Returns false when that is not possible: there are more
+  /// lines than can be numbered, or there is not enough memory. The caller takes the plant back then.
   [[nodiscard]] bool finish();
   void takeBack() { first_.restore(*whole_); }
 

@@ -66,7 +66,10 @@ TEST(SceneThreads, DrawTheImagesThatOneThreadDraws) {
   expectSame("maximum depth: 3\nI(n) : n>2 --> !(n)G(n)F(1)\nI(n) : n==1 --> L(n)\nL(x) --> {+F(x)+F(x)}[@O(x)]\n");
 }
 
-TEST(SceneThreads, DrawImagesOfChanceBlocksAndNeighbours) {
+// images that one thread draws alone: they depend on more than their module, or branches are none
+TEST(SceneThreads, DrawImagesOfChanceBlocksNeighboursAndBrackets) {
+  expectSame("I(n) --> F(n)\n[ --> F(1)\n");
+  expectSame("I(n) --> F(n)\n] --> F(1)]\n");
   expectSame("I(n) --> +(ran(90))F(n)\n");
   expectSame("I(n) : {s=s+1;} n>1 --> F(s)\n");
   expectSame("I(m) < I(n) --> F(m)\nI(n) --> F(n)\n");
