@@ -55,10 +55,14 @@ class Log::Implementation {
   void put(spdlog::level::level_enum level, std::string_view text, const LogSubject& subject) {
     // a pipe that has room has some for so many bytes
     constexpr std::size_t kMostBytes = PIPE_BUF - 500;
-    std::string line = lineOf(protocol::beginningOf(text, kMostBytes), subject);
+    const auto lineOfBeginning = [&](std::size_t mostBytes) {
+      const std::string_view beginning = protocol::beginningOf(text, mostBytes);
+      return beginning.size() < text.size() ? lineOf(std::string(beginning) + "…", subject) : lineOf(text, subject);
+    };
+    std::string line = lineOfBeginning(kMostBytes);
     if (line.size() > PIPE_BUF - 100) {
       // JSON makes six characters of some
-      line = lineOf(protocol::beginningOf(text, kMostBytes / 6), subject);
+      line = lineOfBeginning(kMostBytes / 6);
     }
     logger_.log(level, spdlog::string_view_t(line.data(), line.size()));
   }

@@ -115,8 +115,9 @@ class ServedMessages {
     reader_->feed(bytes);
     before_ = reader_->heldBytes();
   }
-  /// Answers the next message that is there. std::bad_alloc: it takes more memory than there is.
-  Next next() {
+  /// Answers the next message that is there, after onMessage() if it is one and no rubbish. std::bad_alloc: it takes
+  /// more memory than there is.
+  Next next(const std::function<void()>& onMessage) {
     const core::WorkMeter::Scope scope(&memory_);
     reply_ = {};
     memory_.setReading(true);
@@ -125,8 +126,11 @@ class ServedMessages {
     if (!read) {
       return Next::None;
     }
-    isMessage_ = read->has_value();
-    auto reply = isMessage_ && memory_.isFull() && takesMemory((*read)->method)
+    const bool isMessage = read->has_value();
+    if (isMessage) {
+      onMessage();
+    }
+    auto reply = isMessage && memory_.isFull() && takesMemory((*read)->method)
                      ? std::optional(protocol::encodeError((*read)->id, memoryError()))
                      : dialogue_->answer(*read);
     if (dialogue_->areBlocksAgreed()) {
@@ -138,8 +142,6 @@ class ServedMessages {
     reply_ = std::move(*reply);
     return Next::Answered;
   }
-  /// What next() read was a message, and no rubbish.
-  [[nodiscard]] bool isMessage() const { return isMessage_; }
   [[nodiscard]] const std::string& reply() const { return reply_; }
   [[nodiscard]] bool hasSimulations() const { return dialogue_->hasSimulations(); }
   /// Gives back the memory of messages that are gone.
@@ -167,7 +169,6 @@ class ServedMessages {
   std::optional<protocol::MessageReader> reader_;
   std::string reply_;
   std::size_t before_ = 0;  // bytes that the reader had
-  bool isMessage_ = false;
 };
 
 /// Closes the connection when it is still silent after a time. The caller keeps the timer.
@@ -175,7 +176,7 @@ void closeWhenSilent(asio::steady_timer& timer, Host& host, const Socket& socket
   timer.expires_after(host.firstMessage);
   timer.async_wait([&host, weak = std::weak_ptr(socket)](const boost::system::error_code& error) {
     const Socket waiting = error ? nullptr : weak.lock();
-    if (waiting != nullptr && host.connections.leave(waiting)) {
+    if (waiting != nullptr && host.connections.leaveSilent(waiting)) {
       boost::system::error_code ignored;
       waiting->close(ignored);
     }
@@ -194,6 +195,12 @@ asio::awaitable<void> serveConnection(Socket shared, Host& host) {
   ServedMessages messages(host);
   HeldBytes held(host);
   auto bytes = std::make_unique_for_overwrite<std::array<char, kReadBytes>>();
+  // before the answer is computed: what computes gives way to nobody
+  const std::function<void()> onMessage = [&] {
+    if (host.connections.begin(shared)) {
+      timer.cancel();
+    }
+  };
   const auto token = asio::as_tuple(asio::use_awaitable);
   while (true) {
     const auto [error, count] = co_await socket.async_read_some(asio::buffer(*bytes), token);
@@ -205,15 +212,12 @@ asio::awaitable<void> serveConnection(Socket shared, Host& host) {
     while (!problem) {
       ServedMessages::Next next = ServedMessages::Next::None;
       try {
-        next = messages.next();
+        next = messages.next(onMessage);
       } catch (const std::bad_alloc&) {
         problem = messages.memoryError();
       }
       if (next == ServedMessages::Next::None) {
         break;
-      }
-      if (messages.isMessage() && host.connections.begin(shared)) {
-        timer.cancel();
       }
       if (next == ServedMessages::Next::Answered) {
         const auto [writeError, written] = co_await asio::async_write(socket, asio::buffer(messages.reply()), token);

@@ -34,21 +34,31 @@ void HostConnections::end(const Socket& socket, bool hasSimulations) {
   }
 }
 
-bool HostConnections::leave(const Socket& socket) {
+void HostConnections::leave(const Socket& socket) {
+  const std::lock_guard lock(mutex_);
+  if (const auto found = places_.find(socket.get()); found != places_.end()) {
+    remove(found);
+  }
+}
+
+bool HostConnections::leaveSilent(const Socket& socket) {
   const std::lock_guard lock(mutex_);
   const auto found = places_.find(socket.get());
-  if (found == places_.end()) {
+  if (found == places_.end() || found->second.list != &silent_) {
     return false;
   }
-  const Place place = found->second;
-  place.list->erase(place.position);
-  places_.erase(found);
-  return place.list == &silent_;
+  remove(found);
+  return true;
 }
 
 bool HostConnections::closeOne() {
   const std::lock_guard lock(mutex_);
   return closeFirst(silent_) || closeFirst(idle_);
+}
+
+void HostConnections::remove(std::unordered_map<const void*, Place>::iterator place) {
+  place->second.list->erase(place->second.position);
+  places_.erase(place);
 }
 
 void HostConnections::move(Place& place, std::list<Socket>& list) {

@@ -23,12 +23,14 @@ class HostConnections {
 
   /// A new connection, which is silent. False: all places are taken by busy ones.
   [[nodiscard]] bool enter(const Socket& socket);
-  /// Its peer has sent a message. True: that was the first one.
+  /// Its peer has sent a message, which is answered now. True: that was the first one.
   bool begin(const Socket& socket);
   /// Its peer has its answers.
   void end(const Socket& socket, bool hasSimulations);
-  /// It is closed. True: it was silent.
-  bool leave(const Socket& socket);
+  /// It is closed.
+  void leave(const Socket& socket);
+  /// The same if it is still silent; else false, and it stays.
+  [[nodiscard]] bool leaveSilent(const Socket& socket);
   /// One connection gives way. False: all are busy.
   bool closeOne();
 
@@ -39,7 +41,8 @@ class HostConnections {
     std::list<Socket>* list;  // silent_, idle_ or busy_
     std::list<Socket>::iterator position;
   };
-  void move(Place& place, std::list<Socket>& list);
+  void remove(std::unordered_map<const void*, Place>::iterator place);
+  static void move(Place& place, std::list<Socket>& list);
   bool closeFirst(std::list<Socket>& list);
 
   std::mutex mutex_;
