@@ -43,7 +43,7 @@ struct FilePart {
   std::string text;
   std::string path;  // of the object in the text: empty, or [1]
 
-  // the message behind its place
+  // the message with its place in front
   [[nodiscard]] std::string placed(const std::string& message) const {
     return name.empty() ? message : name + jsonPlaceOfMessage(text, path, message) + ": " + message;
   }

@@ -229,7 +229,8 @@ void Analyser::reportUnknownName(const ExpressionNode& node, const Scope& scope)
   }
   if (std::ranges::find(candidates, std::string_view(node.text)) != candidates.end()) {
     messages_.warning(node.range, "unknown name '" + node.text + "' in " + describePlace() + ": its value is 0",
-                      "a macro counts from the line of its #define on: move '#define " + node.text + "' up");
+                      "no #define of '" + node.text +
+                          "' counts here: it stands below, takes parameters, or a condition leaves it out");
     return;
   }
   const std::string_view near = core::nearestName(node.text, candidates);

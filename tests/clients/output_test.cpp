@@ -47,8 +47,7 @@ class Output : public testing::Test {
 TEST_F(Output, APictureWithoutAnythingInItIsSaidToBeEmpty) {
   folder_.write("bud.l", "Lsystem: 1\nderivation length: 2\nAxiom: A\nA --> AB\nendlsystem\n");
   const auto warns = [this](const std::string& arguments) {
-    return contains(run("run " + arguments).errors,
-                    "warning: nothing is drawn: no module of the string draws. F(1) draws");
+    return contains(run("run " + arguments).errors, "warning: nothing is drawn. F(1) draws");
   };
   EXPECT_TRUE(warns("bud.l -o bud.svg -o bud.obj"));
   EXPECT_FALSE(warns("bud.l -o bud.string"));

@@ -334,7 +334,7 @@ bool OutputWriter::write(const simulation::Simulation& simulation, std::optional
   // of the files of many steps the first ones may well be empty
   if (all && needsScene && all->scene.empty() && !number && !isQuiet_) {
     printNote(
-        "warning: nothing is drawn: no module of the string draws. F(1) draws a line of the length 1; the section "
+        "warning: nothing is drawn. F(1) draws a line of the length 1; the section "
         "'homomorphism:' says how other modules are drawn, as I(x) --> F(x)");
   }
   return all && std::ranges::all_of(options_.files, [&](const std::string& file) {

@@ -18,7 +18,7 @@ using Modules = std::vector<ModuleSyntax>;
 constexpr std::string_view kRemarkSigns = "#;%";
 constexpr std::size_t kShortestHabit = 3;  // letters
 constexpr std::string_view kDrawnLetters = "FfGg";
-constexpr std::string_view kMeasured = "Ff+-&^/\\";            // a number behind them is a length or an angle
+constexpr std::string_view kMeasured = "FfGg+-&^/\\";          // a number behind them is a length or an angle
 constexpr std::string_view kOneParameter = "FfGg+-&^/\\#!;,";  // the turtle reads one parameter of these
 
 bool isRelation(Operation operation) {
@@ -105,13 +105,16 @@ class HabitChecks {
     const auto endsInSign = [this](const Modules& modules) {
       return modules.size() > 1 && modules.back().parameters.empty() && characterOf(modules.back()) == ';';
     };
-    if (endsInSign(system.axiom) && std::ranges::all_of(system.productions.productions, [&](const auto& production) {
-          return endsInSign(production.successor);
-        })) {
+    const std::vector<ProductionSyntax>& productions = system.productions.productions;
+    const auto productionEndsInSign = [&](const ProductionSyntax& production) {
+      return endsInSign(production.successor);
+    };
+    if (!productions.empty() && endsInSign(system.axiom) && !readTypes_.contains(system.axiom.back().type) &&
+        std::ranges::all_of(productions, productionEndsInSign)) {
       messages_.warning(system.axiom.back().range,
                         "this ';' and that of each production are modules, which change the colour",
-                        "no ';' stands at the end of a line; write 'Syntax: free' before the first L-system where it "
-                        "shall end a production");
+                        "remove these ';'. If a ';' shall end each production, write 'Syntax: free' before the first "
+                        "L-system");
     }
   }
 
@@ -134,7 +137,15 @@ class HabitChecks {
     }
     const std::size_t end = wordEnd(modules, i + 1);
     return end >= i + 1 + kShortestHabit && modules[end - 1].parameters.empty() && isGap(modules[end - 1].range.end) &&
-           hasIdleLetter(modules, i + 1, end);
+           hasIdleLetter(modules, i + 1, end) && hasSmallLetter(modules, i + 1, end);
+  }
+  /// Words have small letters; markers that only people read, as in `; F XD`, are mostly capitals.
+  [[nodiscard]] bool hasSmallLetter(const Modules& modules, std::size_t begin, std::size_t end) const {
+    return std::any_of(modules.begin() + static_cast<std::ptrdiff_t>(begin),
+                       modules.begin() + static_cast<std::ptrdiff_t>(end), [this](const ModuleSyntax& module) {
+                         const char letter = characterOf(module);
+                         return letter >= 'a' && letter <= 'z' && kDrawnLetters.find(letter) == std::string_view::npos;
+                       });
   }
 
   /// Whether one of the letters is neither drawn nor read by a production.
@@ -150,10 +161,13 @@ class HabitChecks {
   void checkNumber(const Modules& modules, std::size_t i) {
     std::size_t end = i + 1;
     while (end < modules.size() && modules[end].range.begin == modules[end - 1].range.end &&
-           modules[end - 1].parameters.empty() && !readSymbols_.contains(symbolOf(modules[end])) &&
+           modules[end - 1].parameters.empty() && modules[end].parameters.empty() &&
+           !readSymbols_.contains(symbolOf(modules[end])) &&
            (isDigit(characterOf(modules[end])) || (characterOf(modules[end]) == '.' && end > i + 1))) {
       ++end;
     }
+    // this one is a vertex
+    end -= characterOf(modules[end - 1]) == '.' && end > i + 1 ? 1 : 0;
     if (end == i + 1 || kMeasured.find(characterOf(modules[i])) == std::string_view::npos) {
       return;
     }

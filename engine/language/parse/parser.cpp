@@ -7,6 +7,7 @@
 
 #include "engine/language/hexadecimal.h"
 #include "engine/language/parse/foreign_lines.h"
+#include "engine/language/preprocess/macro_table.h"
 
 namespace espalier::language {
 namespace {
@@ -120,7 +121,7 @@ void Parser::parseFile() {
                line.starts_with("define ") || line.starts_with("include ")
                    ? "macros and includes start with '#': #" + std::string(line.substr(0, line.find(' ')))
                : line.starts_with("Lsystem ") || line.starts_with("lsystem ")
-                   ? line.substr(line.find_first_not_of(" \t", 7)).starts_with(':')
+                   ? trimBlanks(line.substr(7)).starts_with(':')
                          ? "no blank stands before the ':': write '" + std::string(line.substr(0, 7)) + ":'"
                          : "write a ':' behind 'Lsystem'"
                : isBelow && !foreign.empty() ? foreign

@@ -269,7 +269,8 @@ class Preprocessor {
     const std::string_view comment = text.substr(begin + 2, line.end - begin - 2);
     const std::string_view rest = comment.substr(std::min(comment.find_first_not_of('/'), comment.size()));
     const bool isModules = comment.starts_with('/') && !rest.empty() && rest.find_first_of(" \t") == std::string::npos;
-    if (isModules || comment.find_first_of("[]") != std::string_view::npos) {
+    const bool isProse = comment.find_first_of(" \t") != std::string_view::npos;
+    if (isModules || (!isProse && comment.find_first_of("[]") != std::string_view::npos)) {
       add(core::Severity::Warning, file, static_cast<std::uint32_t>(begin), line.end - begin,
           "'//' begins a comment, so the rest of this line is not read",
           "put a blank between two roll symbols, as in / / /, or write one roll with its angle, as in /(90)");

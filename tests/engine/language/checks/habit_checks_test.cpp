@@ -25,17 +25,20 @@ TEST(HabitChecks, ACommentOfAnotherLanguage) {
   EXPECT_EQ(
       messagesOf("A --> F", "A ;start"),
       Messages{"2:10: warning: ';start' is read as modules: the turtle command ';' and each letter behind it" + hint});
-  // commands before modules, and letters that mean something
+  // commands before modules: letters that mean something, and capitals that only people read
+  EXPECT_EQ(messagesOf("A --> F ;FXD\nB --> ! # FLK", "AB"), Messages{});
   EXPECT_EQ(messagesOf("A --> B # F ;ff\nB --> A # ABA\nC --> A ;BAC ; AB #(2)Abc", "AC"), Messages{});
 }
 
 TEST(HabitChecks, ASemicolonAtTheEndOfEveryLine) {
   EXPECT_EQ(messagesOf("A --> AB;\nB --> F;", "A;"),
-            Messages{"2:9: warning: this ';' and that of each production are modules, which change the colour | no ';' "
-                     "stands at the end of a line; write 'Syntax: free' before the first L-system where it shall end a "
-                     "production"});
+            Messages{"2:9: warning: this ';' and that of each production are modules, which change the colour | remove "
+                     "these ';'. If a ';' shall end each production, write 'Syntax: free' before the first L-system"});
   EXPECT_EQ(messagesOf("A --> AB;\nB --> F", "A;"), Messages{});
   EXPECT_EQ(messagesOf("A --> AB;\nB --> F;"), Messages{});
+  // one that a production reads, and an axiom alone
+  EXPECT_EQ(messagesOf("A --> AB;\n; --> ;;", "A;"), Messages{});
+  EXPECT_EQ(messagesOf("homomorphism\nA --> F", "A;"), Messages{});
 }
 
 TEST(HabitChecks, ASurfaceWithALongName) {
@@ -49,6 +52,13 @@ TEST(HabitChecks, ASurfaceWithALongName) {
                 "name of a surface has one letter, as in ~l(2)",
                 "3:10" + undefined}));
   EXPECT_EQ(messagesOf("A --> F[~lFf]~l(2)fab"), Messages{"3:10" + undefined});
+}
+
+TEST(HabitChecks, DigitsThatAreModulesAndVertices) {
+  EXPECT_EQ(messagesOf("A --> F1(2)A"), Messages{});
+  EXPECT_EQ(messagesOf("A --> {F1.F}"),
+            Messages{"3:8: warning: 'F1' is read as 'F' and a module for each digit | a value stands in parentheses: "
+                     "F(1)"});
 }
 
 TEST(HabitChecks, ANumberWithoutParentheses) {

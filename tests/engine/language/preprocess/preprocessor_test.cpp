@@ -290,7 +290,7 @@ TEST(Preprocessor, RollsWithoutBlanksAreAComment) {
       "in / / /, or write one roll with its angle, as in /(90)";
   EXPECT_EQ(problemsOf("Axiom: A//[A]\nA --> [&FL!A]/////'[&FL!A]\nF --> S/////F\n"),
             (Messages{"1:9" + rest, "2:14" + rest, "3:8" + rest}));
-  EXPECT_EQ(problemsOf("A --> [B]//two of them\nA --> B //[a]\nA --> B////// a line //////\nx: y//[a]\nA --> / /[B]\n"),
+  EXPECT_EQ(problemsOf("A --> F(x)//length [m]\nA --> [B]//two of them\nA --> B //[a]\nA --> B////// a line //////\nx: y//[a]\nA --> / /[B]\n"),
             Messages{});
 }
 
