@@ -354,10 +354,12 @@ class Hostile(unittest.TestCase):
             self.assertEqual(caught.exception.code, 1006)
 
     def test_an_answer_of_an_environment_is_read_for_so_long_at_most(self) -> None:
+        # the text is made before, so that only reading it takes long
         script = ("import json, sys\n"
+                  "many = '[' + '[],' * 20_000_000 + '[]]'\n"
                   "for line in sys.stdin:\n"
                   "    asked = json.loads(line)\n"
-                  "    replies = '[' + '[],' * 20_000_000 + '[]]' if asked['method'] == 'environment.step' else '[]'\n"
+                  "    replies = many if asked['method'] == 'environment.step' else '[]'\n"
                   "    print('{\"jsonrpc\":\"2.0\",\"id\":' + json.dumps(asked['id']) + ',\"result\":{\"replies\":' + replies + '}}', flush=True)\n")
         with self.serve("environmentStepMilliseconds=1000").connect(timeout=SECONDS) as client:
             plant = client.create("Lsystem: 1\nAxiom: ?E(0)A\nA --> A\nendlsystem\n", environment=[
