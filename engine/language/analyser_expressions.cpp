@@ -218,6 +218,11 @@ void Analyser::reportUnknownName(const ExpressionNode& node, const Scope& scope)
   if (!unknown_.insert(node.text).second) {
     return;
   }
+  // more messages than anybody is shown need no search for near names
+  if (unknown_.size() > 4 * core::DiagnosticList::kLimit) {
+    messages_.warning(node.range, "unknown name '" + node.text + "' in " + describePlace() + ": its value is 0");
+    return;
+  }
   std::vector<std::string_view> names = scope.names();
   std::erase_if(names, [&](std::string_view name) { return unknown_.contains(std::string(name)); });
   if (hasSteps_) {

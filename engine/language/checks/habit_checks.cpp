@@ -1,6 +1,7 @@
 #include "engine/language/checks/habit_checks.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ using Modules = std::vector<ModuleSyntax>;
 
 constexpr std::string_view kRemarkSigns = "#;%";
 constexpr std::size_t kShortestHabit = 3;  // letters
+constexpr std::size_t kMostQuoted = 80;    // bytes
 constexpr std::string_view kDrawnLetters = "FfGg";
 constexpr std::string_view kMeasured = "FfGg+-&^/\\";          // a number behind them is a length or an angle
 constexpr std::string_view kOneParameter = "FfGg+-&^/\\#!;,";  // the turtle reads one parameter of these
@@ -66,14 +68,26 @@ class HabitChecks {
   [[nodiscard]] char characterOf(const ModuleSyntax& module) const {
     return model_.symbols[symbolOf(module)].character();
   }
+  /// The text of a range on one line, cut when it is long.
   [[nodiscard]] std::string textOf(core::SourceRange range) const {
-    return foldBlanks(text_.substr(range.begin, range.end - range.begin));
+    std::size_t end = std::min<std::size_t>(range.end, range.begin + kMostQuoted);
+    while (end < range.end && (static_cast<unsigned char>(text_[end]) & 0xC0U) == 0x80U) {
+      --end;
+    }
+    return foldBlanks(text_.substr(range.begin, end - range.begin)) + (end < range.end ? "…" : "");
   }
   [[nodiscard]] bool isGap(std::size_t position) const {
     return position >= text_.size() || isBlank(text_[position]) || text_[position] == '\n' || text_[position] == '\r';
   }
 
-  [[nodiscard]] bool hasDecimalPoint() const {
+  /// Whether the model writes numbers as 1.5. Looked up once.
+  [[nodiscard]] bool hasDecimalPoint() {
+    if (!hasDecimalPoint_) {
+      hasDecimalPoint_ = findDecimalPoint();
+    }
+    return *hasDecimalPoint_;
+  }
+  [[nodiscard]] bool findDecimalPoint() const {
     for (std::size_t i = text_.find('.'); i != std::string_view::npos; i = text_.find('.', i + 1)) {
       if (i > 0 && i + 1 < text_.size() && isDigit(text_[i - 1]) && isDigit(text_[i + 1])) {
         return true;
@@ -159,6 +173,9 @@ class HabitChecks {
 
   // `+45` and `F1.5`
   void checkNumber(const Modules& modules, std::size_t i) {
+    if (kMeasured.find(characterOf(modules[i])) == std::string_view::npos) {
+      return;
+    }
     std::size_t end = i + 1;
     while (end < modules.size() && modules[end].range.begin == modules[end - 1].range.end &&
            modules[end - 1].parameters.empty() && modules[end].parameters.empty() &&
@@ -168,7 +185,7 @@ class HabitChecks {
     }
     // this one is a vertex
     end -= characterOf(modules[end - 1]) == '.' && end > i + 1 ? 1 : 0;
-    if (end == i + 1 || kMeasured.find(characterOf(modules[i])) == std::string_view::npos) {
+    if (end == i + 1) {
       return;
     }
     const core::SourceRange range{modules[i].range.begin, modules[end - 1].range.end};
@@ -182,9 +199,11 @@ class HabitChecks {
 
   // `~leaf(2)`
   void checkSurfaceName(const Modules& modules, std::size_t i) {
+    if (characterOf(modules[i]) != '~' || !modules[i].parameters.empty()) {
+      return;
+    }
     const std::size_t end = wordEnd(modules, i + 1);
-    if (characterOf(modules[i]) != '~' || !modules[i].parameters.empty() || end < i + 1 + kShortestHabit ||
-        !hasIdleLetter(modules, i + 2, end)) {
+    if (end < i + 1 + kShortestHabit || !hasIdleLetter(modules, i + 2, end)) {
       return;
     }
     const core::SourceRange range{modules[i].range.begin, modules[end - 1].range.end};
@@ -261,6 +280,7 @@ class HabitChecks {
   std::string_view text_;
   const ModelSyntax& model_;
   MessageList& messages_;
+  std::optional<bool> hasDecimalPoint_;
   std::set<std::string> reportedNumbers_;
   std::set<core::ModuleTypeId> readTypes_;  // in a predecessor or context
   std::set<core::SymbolId> readSymbols_;    // the same, with any number of parameters

@@ -54,6 +54,22 @@ TEST(HabitChecks, ASurfaceWithALongName) {
   EXPECT_EQ(messagesOf("A --> F[~lFf]~l(2)fab"), Messages{"3:10" + undefined});
 }
 
+// each of these took time by the square of its length
+TEST(HabitChecks, LongOnesAreQuotedInPart) {
+  const std::string digits(300'000, '1');
+  EXPECT_EQ(messagesOf("A --> F" + digits),
+            Messages{"3:7: warning: 'F" + digits.substr(0, 79) +
+                     "…' is read as 'F' and a module for each digit | a value stands in parentheses: F(" +
+                     digits.substr(0, 79) + "…)"});
+  std::string chain = "0";
+  for (int i = 0; i < 10'000; ++i) {
+    chain += "<n";
+  }
+  for (const std::string& message : messagesOf("A(n) : " + chain + " --> A(n)", "A(1)" + std::string(300'000, 'F'))) {
+    EXPECT_LT(message.size(), 500U);
+  }
+}
+
 TEST(HabitChecks, DigitsThatAreModulesAndVertices) {
   EXPECT_EQ(messagesOf("A --> F1(2)A"), Messages{});
   EXPECT_EQ(messagesOf("A --> {F1.F}"),
