@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <future>
 #include <limits>
-#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/core/elementary.h"
+#include "engine/core/work_meter.h"
 #include "engine/turtle/export/binary_output.h"
 #include "engine/turtle/export/ground_contact.h"
 #include "engine/turtle/export/mesh/glb_plan.h"
@@ -27,15 +29,32 @@ namespace {
 constexpr double kUsualReflection = 1.0 / 0.214041;
 constexpr double kDefaultRoughness = 0.8;
 
+using GroundContacts = std::vector<GroundContact>;
+
+/// Finds where the plants of each scene stand, on a thread of its own if there may be one.
+std::future<std::vector<GroundContacts>> findGround(std::span<const ExportInput> scenes) {
+  const bool isAlone = scenes.empty() || scenes.front().threads <= 1;
+  return std::async(isAlone ? std::launch::deferred : std::launch::deferred | std::launch::async,
+                    [scenes, meter = core::WorkMeter::current()] {
+                      const core::WorkMeter::Scope scope(meter);
+                      std::vector<GroundContacts> contacts;
+                      for (const ExportInput& input : scenes) {
+                        contacts.push_back(groundContactsOf(input.scene));
+                      }
+                      return contacts;
+                    });
+}
+
 class GlbWriter {
  public:
-  GlbWriter(const PlacedScenes& placed, const ExportTarget& target) : plan_(placed), target_(target) {}
+  GlbWriter(const PlacedScenes& placed, const ExportTarget& target)
+      : ground_(findGround(placed.scenes)), plan_(placed), target_(target) {}
 
   [[nodiscard]] std::optional<std::string> write();
 
  private:
   // the text
-  [[nodiscard]] std::string jsonText() const;
+  [[nodiscard]] std::string jsonText();
   void writeNodes(TextOutput& out) const;
   void writeInstanceNode(std::size_t index, TextOutput& out) const;
   void writeMeshes(TextOutput& out) const;
@@ -43,7 +62,7 @@ class GlbWriter {
   void writeTextures(TextOutput& out) const;
   void writeAccessors(TextOutput& out) const;
   void writeBufferViews(TextOutput& out) const;
-  void writeGround(TextOutput& out) const;
+  void writeGround(TextOutput& out);
 
   // the numbers
   [[nodiscard]] std::optional<std::string> writePieces();
@@ -54,6 +73,7 @@ class GlbWriter {
 
   void report(std::size_t done) { reportProgress(target_.progress, done, 2 * plan_.own.size()); }
 
+  std::future<std::vector<GroundContacts>> ground_;  // by scene
   GlbPlan plan_;
   const ExportTarget& target_;
 };
@@ -295,15 +315,11 @@ void GlbWriter::writeBufferViews(TextOutput& out) const {
 }
 
 // where plants stand, for viewers: x, y, z and radius of each
-void GlbWriter::writeGround(TextOutput& out) const {
+void GlbWriter::writeGround(TextOutput& out) {
   bool isFirst = true;
-  std::map<std::uint32_t, std::vector<GroundContact>> contactsOf;  // by scene
+  const std::vector<GroundContacts> contactsOf = ground_.get();
   for (const SceneCopy& copy : plan_.meshes.copies()) {
-    const auto [known, isNew] = contactsOf.try_emplace(copy.scene);
-    if (isNew) {
-      known->second = groundContactsOf(plan_.meshes.scene(copy.scene).input().scene);
-    }
-    for (const GroundContact& contact : known->second) {
+    for (const GroundContact& contact : contactsOf[copy.scene]) {
       out << (isFirst ? ",\"extras\":{\"ground\":[[" : ",[");
       out.vector(placedPoint(copy.placement, contact.place), ',') << ',';
       out.single(copy.placement.scale * contact.radius) << ']';
@@ -313,7 +329,7 @@ void GlbWriter::writeGround(TextOutput& out) const {
   out << (isFirst ? "" : "]}");
 }
 
-std::string GlbWriter::jsonText() const {
+std::string GlbWriter::jsonText() {
   std::string text;
   TextOutput out(text);
   out << "{\"asset\":{\"version\":\"2.0\",\"generator\":\"Espalier\"},\n\"scene\":0,\n";
