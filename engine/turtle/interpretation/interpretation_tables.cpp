@@ -42,6 +42,28 @@ Role roleFor(const language::Program& program, core::ModuleTypeId type, TurtleCo
   return command == TurtleCommand::Query && program.arity[type] > 0 ? Role::Call : Role::None;
 }
 
+/// Whether each bracket of the string stands for itself and belongs to the other one of the string: an image closes the
+/// branches that it opens, and no other.
+bool keepsBrackets(const language::Program& program) {
+  const auto isBracket = [&](core::ModuleTypeId type) {
+    return type == program.openBranch || type == program.closeBranch;
+  };
+  const auto keeps = [&](const language::Production& production) {
+    std::size_t open = 0;
+    for (const language::SuccessorModule& module : production.successor) {
+      if (module.type == program.closeBranch && open == 0) {
+        return false;
+      }
+      open += module.type == program.openBranch ? 1 : 0;
+      open -= module.type == program.closeBranch ? 1 : 0;
+    }
+    return open == 0 && !isBracket(production.predecessor.front().type);
+  };
+  return std::ranges::all_of(program.systems, [&](const language::LSystem& system) {
+    return std::ranges::all_of(system.homomorphism.productions, keeps);
+  });
+}
+
 }  // namespace
 
 InterpretationTables::InterpretationTables(const language::Program& program) {
@@ -75,9 +97,7 @@ InterpretationTables::InterpretationTables(const language::Program& program) {
       return program.symbols[type.symbol].character() == character;
     });
   };
-  const auto isExpanded = [&](core::ModuleTypeId type) { return type < typeCount && mayExpand[type] != 0; };
-  const bool hasOtherBrackets = isExpanded(program.openBranch) || isExpanded(program.closeBranch);
-  mayDrawApart = isRepeatable(program) && !hasOtherBrackets && !(has('@') && has('P') && has('S'));
+  mayDrawApart = isRepeatable(program) && keepsBrackets(program) && !(has('@') && has('P') && has('S'));
 }
 
 }  // namespace espalier::turtle

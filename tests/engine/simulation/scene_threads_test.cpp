@@ -69,6 +69,9 @@ TEST(SceneThreads, DrawTheImagesThatOneThreadDraws) {
 // images that one thread draws alone: they depend on more than their module, or branches are none
 TEST(SceneThreads, DrawImagesOfChanceBlocksNeighboursAndBrackets) {
   expectSame("I(n) --> F(n)\n[ --> F(1)\n");
+  expectSame("I(n) --> F(n)]\n");
+  expectSame("I(n) --> [F(n)\n");
+  expectSame("I(n) --> ]F(n)[\n");
   expectSame("I(n) --> F(n)\n] --> F(1)]\n");
   expectSame("I(n) --> +(ran(90))F(n)\n");
   expectSame("I(n) : {s=s+1;} n>1 --> F(s)\n");
