@@ -19,8 +19,8 @@ class PartedInterpretation {
  public:
   /// Returns false, with nothing changed, when there is no gain or it is not possible: one thread, an output of
   /// records, a short string, few branches, `?(id,k)`; for queries any homomorphism; for scenes one that depends on
-  /// more than its module, a patch, or a shape that is open where a branch begins or ends. Also after a failure, or
-  /// when the model warns: the caller then meets it in the order of the string.
+  /// more than its module or leaves brackets open, a patch, or a shape that is open where a branch begins or ends. Also
+  /// after a failure, or when the model warns: the caller then meets it in the order of the string.
   [[nodiscard]] bool run(const Interpretation::Subject& subject, const InterpretationOutput& output);
 
  private:
